@@ -414,6 +414,16 @@ std::vector<ConvexRegion> blockingRegions(const geometry::PatchMesh& mesh, uint3
     return blockingPlanes(mesh, maxCorners).regions;
 }
 
+std::vector<ConvexRegion> outsideRegions(const geometry::PatchMesh& mesh, uint32_t maxCorners) {
+    if (mesh.outside.triangles.empty()) return {};
+    geometry::PatchMesh outer;
+    outer.vertices = mesh.outside.vertices;
+    for (size_t t = 0; t < mesh.outside.triangles.size(); t += 3)
+        outer.addPatch(std::span(mesh.outside.triangles).subspan(t, 3), 0, geometry::Role::extra, 0,
+                       geometry::kNoRoom);
+    return mergedRegions(outer, std::vector<uint32_t>(outer.patchCount(), 0), maxCorners);
+}
+
 std::vector<ConvexRegion> mergedRegions(const geometry::PatchMesh& mesh, std::span<const uint32_t> group,
                                         uint32_t maxCorners) {
     const double size = sizeOf(mesh);

@@ -40,6 +40,9 @@ struct BlockingPlanes {
 BlockingPlanes blockingPlanes(const geometry::PatchMesh& mesh, uint32_t maxCorners);
 std::vector<ConvexRegion> blockingRegions(const geometry::PatchMesh& mesh, uint32_t maxCorners);
 
+// Of PatchMesh::outside: in no room, at most `maxCorners` corners each.
+std::vector<ConvexRegion> outsideRegions(const geometry::PatchMesh& mesh, uint32_t maxCorners);
+
 // Every patch whose group is not kNoGroup, merged with those of its plane, room and group.
 constexpr uint32_t kNoGroup = UINT32_MAX;
 std::vector<ConvexRegion> mergedRegions(const geometry::PatchMesh& mesh, std::span<const uint32_t> group,

@@ -23,8 +23,10 @@ constexpr double kLeast = 1e-6; // of an element, hidden
 bool hasAnythingBefore(const geometry::PatchMesh& mesh, size_t patch, double tolerance) {
     const glm::dvec3 centre = geometry::patchCentroid(mesh, patch),
                      normal = geometry::patchNormal(mesh, patch);
-    return std::ranges::any_of(mesh.vertices,
-                               [&](const glm::dvec3& v) { return glm::dot(centre - v, normal) > tolerance; });
+    const auto isBefore = [&](const glm::dvec3& v) { return glm::dot(centre - v, normal) > tolerance; };
+    return std::ranges::any_of(mesh.vertices, isBefore) ||
+           std::ranges::any_of(mesh.outside.triangles,
+                               [&](uint32_t v) { return isBefore(mesh.outside.vertices[v]); });
 }
 
 // Towards the middle of every sky element, then below the horizon.

@@ -12,6 +12,7 @@
 #include <glm/vector_relational.hpp>
 
 #include "compute/lighting.h"
+#include "compute/outside_walls.h"
 #include "compute/view_cells.h"
 #include "geometry/bounds.h"
 #include "geometry/clip_polygon.h"
@@ -148,10 +149,11 @@ PointScene::PointScene(const geometry::PatchMesh& mesh) : mesh_(&mesh), blockers
         const dvec3 normal = normalOf(region);
         panes_.push_back({std::move(region), &windows_[material], normal, room});
     }
-    findOpenings(mergedRegions(mesh, opening, 16), mergedRegions(mesh, wall, 16));
+    findOpenings(mergedRegions(mesh, opening, 16), mergedRegions(mesh, wall, 16), outsideRegions(mesh, 16));
 }
 
-void PointScene::findOpenings(std::vector<ConvexRegion> openings, const std::vector<ConvexRegion>& walls) {
+void PointScene::findOpenings(std::vector<ConvexRegion> openings, const std::vector<ConvexRegion>& walls,
+                              const std::vector<ConvexRegion>& outside) {
     const double samePlane = kSamePlane * geometry::boundsOf(mesh_->vertices).diagonal();
     for (ConvexRegion& region : openings) {
         const dvec3 normal = normalOf(region);
@@ -165,6 +167,9 @@ void PointScene::findOpenings(std::vector<ConvexRegion> openings, const std::vec
     for (Opening& from : openings_) {
         for (const ConvexRegion& wall : walls)
             if (auto part = outsideOf(from, wall.corners); !part.empty()) from.hiddenBy.push_back(part);
+        const std::vector<const ConvexRegion*> seen = seenFrom(from.region, outside, samePlane);
+        for (const ConvexRegion* wall : seen)
+            if (auto part = outsideOf(from, wall->corners); !part.empty()) from.hiddenBy.push_back(part);
         for (uint32_t k = 0; k < openings_.size(); ++k) {
             const Opening& to = openings_[k];
             auto part = &to == &from ? PointView::Polygon{} : outsideOf(from, to.region.corners);
@@ -186,6 +191,7 @@ void PointScene::findOpenings(std::vector<ConvexRegion> openings, const std::vec
                     if (here = outsideOf(to, here); !here.empty()) facing.hiddenBy.push_back(std::move(here));
             };
             for (const ConvexRegion& wall : walls) between(wall.corners);
+            for (const ConvexRegion* wall : seen) between(wall->corners);
             for (const Opening& other : openings_)
                 if (&other != &from && &other != &to) between(other.region.corners);
             from.facing.push_back(std::move(facing));
@@ -218,8 +224,8 @@ void PointScene::forRoomsSeen(const PointView& view, const RoomBeyond& here, con
                glm::dot(view.position() - region.corners[0], normal) > blockers_.tolerance() &&
                view.factor(region.corners, parts) > 0;
     };
-    // On through `part` of one pane, whose frame it is, and the next one, which leads to the room. What is seen
-    // through that part is made where it may show something.
+    // On through `part` of one pane, whose frame it is, and the next one, which leads to the room. What is
+    // seen through that part is made where it may show something.
     const auto goOn = [&](const PointView::Polygon& part, const PointView& frame,
                           std::optional<PointView>& glimpse, const ConvexRegion& second,
                           const RoomBeyond& next) {

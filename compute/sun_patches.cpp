@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include <glm/geometric.hpp>
 #include <glm/trigonometric.hpp>
@@ -96,6 +97,7 @@ SunScene::SunScene(const geometry::PatchMesh& mesh) : mesh_(&mesh) {
     for (const geometry::Material& material : mesh.materials) windows_.emplace_back(material);
     panes_ = mergedRegions(mesh, pane, kMostCorners);
     walls_ = mergedRegions(mesh, wall, kMostCorners);
+    std::ranges::move(outsideRegions(mesh, kMostCorners), std::back_inserter(walls_));
     scale_ = geometry::boundsOf(mesh.vertices).diagonal();
 }
 

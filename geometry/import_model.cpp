@@ -25,6 +25,7 @@
 #include "geometry/model_file.h"
 #include "geometry/model_surfaces.h"
 #include "geometry/outline_area.h"
+#include "geometry/outside_shade.h"
 #include "geometry/raw_model.h"
 #include "geometry/ray_crossing.h"
 #include "geometry/shared_walls.h"
@@ -315,6 +316,7 @@ private:
         building_.repairs.insert(building_.repairs.end(), space->repairs.begin(), space->repairs.end());
         building_.warnings = space->warnings;
         finish();
+        building_.outside = outsideShade(space->outer, building_, kPlanarOfExtent * extent_);
         try {
             proveRooms();
             return true;

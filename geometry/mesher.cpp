@@ -515,7 +515,9 @@ double fittingFacet(double surface, const MeshOptions& options) {
 
 PatchMesh meshBuilding(const Building& building, const MeshOptions& options) {
     if (building.faces.empty()) return {};
-    return BuildingMesher(building, options).mesh();
+    PatchMesh mesh = BuildingMesher(building, options).mesh();
+    mesh.outside = building.outside;
+    return mesh;
 }
 
 } // namespace heliodon::geometry

@@ -35,6 +35,14 @@ struct Material {
 constexpr int32_t kNoTwin = -1;
 constexpr uint32_t kNoRoom = UINT32_MAX; // of what is in no room
 
+// The physical objects on the table as closed opaque solids: what stands between a projector and a surface.
+// Whole walls with their true thickness and height, whether or not a room uses them. Empty for imported
+// models, whose own faces stand for them.
+struct Occluders {
+    std::vector<glm::dvec3> vertices;
+    std::vector<uint32_t> triangles; // three indices each, counter-clockwise seen from outside the solid
+};
+
 struct PatchMesh {
     std::vector<glm::dvec3> vertices;
     // Patch i has the corners corners[firstCorner[i] .. firstCorner[i + 1]); usually three, any planar convex
@@ -50,6 +58,7 @@ struct PatchMesh {
         twin; // per patch: the patch of the same glass on the other side of an interior window, else kNoTwin.
               // Twins have equal shape; what falls on one leaves the other (times transmittance)
     std::vector<Material> materials;
+    Occluders outside; // as Building::outside
 
     size_t patchCount() const { return firstCorner.size() - 1; }
     std::span<const uint32_t> patch(size_t i) const {
@@ -72,13 +81,5 @@ glm::dvec3 patchCentroid(const PatchMesh& mesh, size_t patch);
 // Per corner (as PatchMesh::corners), of length one: the mean by area of the patches of its surface round the
 // vertex, so that curved surfaces are smooth. Empty where all surfaces are flat.
 std::vector<glm::dvec3> cornerNormals(const PatchMesh& mesh);
-
-// The physical objects on the table as closed opaque solids: what stands between a projector and a surface.
-// Whole walls with their true thickness and height, whether or not a room uses them. Empty for imported
-// models, whose own faces stand for them.
-struct Occluders {
-    std::vector<glm::dvec3> vertices;
-    std::vector<uint32_t> triangles; // three indices each, counter-clockwise seen from outside the solid
-};
 
 } // namespace heliodon::geometry

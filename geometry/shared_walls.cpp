@@ -491,8 +491,13 @@ private:
             for (size_t k = 1; k < all.size(); ++k)
                 out.pairs.push_back({faces_[all[0]].surface, faces_[all[k]].surface});
             const size_t before = out.faces.size();
+            const size_t outsideBefore = outside.size();
             addSides(f, all[0], out.faces, outside);
             const size_t sides = out.faces.size() - before;
+            if (sides == 0 &&
+                std::ranges::none_of(all, [&](uint32_t k) { return isGlass_(faces_[k].material); }))
+                out.outer.insert(out.outer.end(),
+                                 outside.begin() + static_cast<std::ptrdiff_t>(outsideBefore), outside.end());
             shared += sides == 2;
             if (sides == 1 && all.size() > 1) meeting.insert(all.begin(), all.end());
         }

@@ -35,6 +35,7 @@ bool sameGeometry(const Scene& a, const Scene& b) {
     return m.vertices == n.vertices && m.corners == n.corners && m.firstCorner == n.firstCorner &&
            m.material == n.material && m.role == n.role && m.surface == n.surface && m.room == n.room &&
            m.twin == n.twin && m.materials.size() == n.materials.size() &&
+           m.outside.vertices == n.outside.vertices && m.outside.triangles == n.outside.triangles &&
            a.occluders.vertices == b.occluders.vertices && a.occluders.triangles == b.occluders.triangles;
 }
 

@@ -1,8 +1,10 @@
 #include "engine/passes/shadow_volumes.h"
 
 #include <algorithm>
+#include <array>
 #include <cstdlib>
 #include <map>
+#include <span>
 
 #include <glm/geometric.hpp>
 
@@ -11,17 +13,26 @@ namespace heliodon::passes {
 ShadowCasters::ShadowCasters(const geometry::PatchMesh& mesh)
     : vertices_(mesh.vertices.begin(), mesh.vertices.end()) {
     std::map<std::pair<uint32_t, uint32_t>, std::vector<Use>> byEdge;
-    for (size_t p = 0; p < mesh.patchCount(); ++p) {
-        if (mesh.materials[mesh.material[p]].isOpening()) continue;
-        const auto corner = mesh.patch(p);
+    const auto add = [&](std::span<const uint32_t> corner, const glm::dvec3& normal) {
         const uint32_t caster = static_cast<uint32_t>(normals_.size());
-        normals_.push_back(geometry::patchAreaVector(mesh, p));
+        normals_.push_back(normal);
         corners_.insert(corners_.end(), corner.begin(), corner.end());
         firstCorner_.push_back(static_cast<uint32_t>(corners_.size()));
         for (size_t k = 0; k < corner.size(); ++k) {
             const uint32_t a = corner[k], b = corner[(k + 1) % corner.size()];
             byEdge[{std::min(a, b), std::max(a, b)}].push_back({caster, a < b});
         }
+    };
+    for (size_t p = 0; p < mesh.patchCount(); ++p)
+        if (!mesh.materials[mesh.material[p]].isOpening())
+            add(mesh.patch(p), geometry::patchAreaVector(mesh, p));
+    const auto& [points, triangles] = mesh.outside;
+    const auto first = static_cast<uint32_t>(vertices_.size());
+    vertices_.insert(vertices_.end(), points.begin(), points.end());
+    for (size_t t = 0; t < triangles.size(); t += 3) {
+        const glm::dvec3 a = points[triangles[t]], b = points[triangles[t + 1]], c = points[triangles[t + 2]];
+        add(std::array{first + triangles[t], first + triangles[t + 1], first + triangles[t + 2]},
+            glm::cross(b - a, c - a));
     }
     for (const auto& [ends, uses] : byEdge) {
         edges_.push_back({ends.first, ends.second, static_cast<uint32_t>(uses_.size()),

@@ -100,6 +100,30 @@ TEST(OtherRooms, a_hair_from_an_opening_half_the_sky_is_seen) {
         EXPECT_NEAR(photometric(parts.sky), half, 2e-3 * half);
 }
 
+// A board right before half of a window takes what the window's other half would not let in.
+TEST(OtherRooms, what_stands_outside_shades_windows) {
+    const auto room = [](double right) {
+        test::BoxRoom box{.cells = {8, 6, 10}};
+        box.isGlass = [=](dvec3 p) { return p.z < 1e-9 && p.x > 1 && p.x < right && p.y > 1 && p.y < 2; };
+        return test::boxRoom(box);
+    };
+    geometry::PatchMesh shaded = room(3);
+    shaded.outside.vertices = {{2, 0, -1e-4}, {2, 3, -1e-4}, {4, 3, -1e-4}, {4, 0, -1e-4}};
+    shaded.outside.triangles = {0, 2, 1, 0, 3, 2};
+    DaylightTransport one(test::device(), shaded), half(test::device(), room(2));
+    const std::vector<Sensor> sensors{{{2, 0.8, 1}, {0, 1, 0}}, {{2.9, 1.1, 2}, {0, 0, -1}}};
+    one.setSensors(sensors), half.setSensors(sensors);
+    for (const daylight::Sky& sky : {test::sunny({-0.3, 0.2, -0.9}), test::overcast()}) {
+        const Moment shade = one.light(sky), narrow = half.light(sky);
+        for (size_t k = 0; k < sensors.size(); ++k) {
+            const double lux = photometric(narrow.sensors[k].total());
+            // Patches of the wall are glass in one: it reflects less.
+            EXPECT_NEAR(photometric(shade.sensors[k].sky), photometric(narrow.sensors[k].sky), 2e-3 * lux);
+            EXPECT_NEAR(photometric(shade.sensors[k].sun), photometric(narrow.sensors[k].sun), 1e-3 * lux);
+        }
+    }
+}
+
 // Coarse patches below a window send too much of its light down.
 TEST(OtherRooms, what_coarse_meshes_leave_in_a_shaft_lies_in_the_stated_error) {
     std::vector<Sensor> sensors;

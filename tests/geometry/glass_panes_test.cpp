@@ -184,6 +184,26 @@ TEST(GlassPanes, in_walls_larger_than_the_room) {
             }
 }
 
+// Before glass in the middle of the wall its sides may shade it; the front of the wall cannot.
+TEST(GlassPanes, what_stands_before_them_outside_is_kept) {
+    for (const double pane : {0.5, 1.0}) {
+        Drawing drawing;
+        drawThickWalls(drawing, 0.4);
+        drawing.face("glass", hole(-0.4 * pane));
+        const Occluders outside = drawing.read().outside;
+        glm::dvec3 towards(0); // by area, on both sides of an axis
+        for (size_t t = 0; t < outside.triangles.size(); t += 3) {
+            const glm::dvec3 a = outside.vertices[outside.triangles[t]];
+            towards += 0.5 * glm::abs(glm::cross(outside.vertices[outside.triangles[t + 1]] - a,
+                                                 outside.vertices[outside.triangles[t + 2]] - a));
+        }
+        const double depth = 0.4 * (1 - pane);
+        EXPECT_NEAR(towards.x, 2 * 1.2 * depth, 1e-6);
+        EXPECT_NEAR(towards.y, 2 * 2.0 * depth, 1e-6);
+        EXPECT_NEAR(towards.z, 0, 1e-6);
+    }
+}
+
 TEST(GlassPanes, in_walls_without_floor_and_ceiling) {
     Drawing drawing;
     drawRoom(drawing, 0, 3);

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <optional>
 #include <random>
+#include <span>
 #include <vector>
 
 #include <glm/mat4x4.hpp>
@@ -48,8 +49,12 @@ std::optional<double> meet(const PatchMesh& mesh, size_t p, glm::dvec3 n, glm::d
 struct Reference {
     Reference(const PatchMesh& m, glm::dvec3 sun) : mesh(m), towardsSun(sun) {
         for (size_t p = 0; p < mesh.patchCount(); ++p) normals.push_back(geometry::patchNormal(mesh, p));
+        outside.vertices = mesh.outside.vertices;
+        for (size_t t = 0; t < mesh.outside.triangles.size(); t += 3)
+            outside.addPatch(std::span(mesh.outside.triangles).subspan(t, 3), 0, geometry::Role::extra, 0, 0);
     }
     const PatchMesh& mesh;
+    PatchMesh outside; // of it
     glm::dvec3 towardsSun;
     std::vector<glm::dvec3> normals;
 
@@ -81,6 +86,8 @@ struct Reference {
     }
     glm::dvec3 sunAt(glm::dvec3 point) const {
         glm::dvec3 left(1);
+        for (size_t p = 0; p < outside.patchCount(); ++p)
+            if (meet(outside, p, geometry::patchNormal(outside, p), point, towardsSun)) return glm::dvec3(0);
         for (size_t p = 0; p < mesh.patchCount(); ++p) {
             if (!meet(mesh, p, normals[p], point, towardsSun)) continue;
             const geometry::Material& material = mesh.materials[mesh.material[p]];
@@ -194,6 +201,15 @@ TEST_F(Shadow, window_patch_agrees_with_rays_from_above_and_inside) {
                                   from({0, 1.8, 0}, {0, 0, 0}, 40)};
     expectAgreement(b.mesh, views,
                     {{0, 0.5, 1}, {0.3, 0.8, 1}, {-0.5, 0.3, 0.8}, {0.1, 0.03, 1}, {0.2, 2, 0.5}}, 800);
+}
+
+TEST_F(Shadow, what_stands_outside_agrees_with_rays) {
+    RoomBuilder b;
+    b.box({-0.5, 0, -0.5}, {1, 0.6, 1}, 6, southWall);
+    b.mesh.outside.vertices = {{0, 0, 0.55}, {0.4, 0, 0.55}, {0.4, 0.7, 0.55}, {0, 0.7, 0.55}};
+    b.mesh.outside.triangles = {0, 2, 1, 0, 3, 2};
+    expectAgreement(b.mesh, {from({0.2, 1.6, 1.0}, {0, 0.2, 0}, 40), from({0, 1.8, 0}, {0, 0, 0}, 40)},
+                    {{0, 0.5, 1}, {0.3, 0.8, 1}, {-0.5, 0.3, 0.8}}, 200);
 }
 
 TEST_F(Shadow, rooms_in_the_way_of_one_another_agree_with_rays) {

@@ -1,0 +1,16 @@
+// What of a building's outside may stand between its windows and the sky.
+#pragma once
+
+#include <span>
+
+#include "geometry/building.h"
+#include "geometry/face_soup.h"
+
+namespace heliodon::geometry {
+
+// Of `faces` (counter-clockwise seen from the outside air) the triangles that lie before the glass of some
+// window to the outside and look at it. Corners are one within `tolerance` (metres). Cost: faces times
+// windows.
+Occluders outsideShade(std::span<const SoupFace> faces, const Building& building, double tolerance);
+
+} // namespace heliodon::geometry
