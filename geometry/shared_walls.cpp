@@ -354,6 +354,7 @@ private:
         std::vector<uint32_t> rooms, walls;
         Bounds all{dvec3(1e300), dvec3(-1e300)};
         bool open = false, lookIn = true;
+        double largest = 0; // what is small beside it, as bars of a frame, is found with other solids
         for (const uint32_t id : parts) {
             const Part& part = parts_.at(id);
             if (part.volume <= 0 || part.window == 0) continue;
@@ -362,10 +363,11 @@ private:
             all = {glm::min(all.low, box.low), glm::max(all.high, box.high)};
             open |= part.open > kNothing * part.area;
             lookIn &= part.looksIn();
+            largest = std::max(largest, part.volume);
         }
         for (const uint32_t id : parts) {
             const Part& part = parts_.at(id);
-            if (part.volume <= 0 || part.solid || part.glass > 0 || part.open == 0) continue;
+            if (part.volume <= kSmall * largest || part.solid || part.glass > 0 || part.open == 0) continue;
             const bool beside =
                 std::ranges::any_of(rooms, [&](uint32_t room) { return part.neighbours.contains(room); });
             if (beside && !(lookIn && part.looksIn()) && (!open || isRound(part.box(), all, tolerance_)))
