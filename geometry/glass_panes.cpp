@@ -30,6 +30,10 @@ constexpr double kSameHole = 1e-6;   // of a pane's area
 constexpr double kBeside = 0.1;      // of the root of a pane's area: how far from its plane others may lie
 constexpr double kPulledIn = 25;     // tolerances
 constexpr size_t kMostJoints = 16;   // flat panes whose joints are looked at
+constexpr double kAngle = 0.1;       // radians
+constexpr double kMostOnGlass = 0.7; // of the borders of slabs that hang together: the rest is walls
+constexpr size_t kMostTogether = 16; // slabs that hang together
+constexpr uint32_t kBarrier = std::numeric_limits<uint32_t>::max(); // a material that is no glass
 
 dvec3 twiceAreaVector(const SoupFace& face) {
     dvec3 sum{0};
@@ -185,8 +189,8 @@ class PanePlacer {
 public:
     PanePlacer(const std::vector<SoupFace>& soup, const std::function<bool(uint32_t)>& isGlass,
                double tolerance)
-        : soup_(soup), tolerance_(tolerance), holes_(soup, isGlass, tolerance), gone_(soup.size(), false),
-          edge_(soup.size(), false) {
+        : soup_(soup), isGlass_(isGlass), tolerance_(tolerance), holes_(soup, isGlass, tolerance),
+          gone_(soup.size(), false), edge_(soup.size(), false) {
         for (const SoupFace& face : soup) {
             if (isGlass(face.material)) continue;
             const Bounds box = boundsOf(face.loops[0]);
@@ -205,6 +209,7 @@ public:
                 replace({&pane}, made); // else it is as it is drawn
         }
         placeGroups();
+        placeTogether();
         for (const Pane& pane : unfit_) loosen(pane);
         if (out_.slabs + out_.flat + out_.loose.size() == 0 && !out_.openFlat) return std::nullopt;
         for (size_t f = 0; f < soup_.size(); ++f) {
@@ -251,8 +256,12 @@ private:
     }
 
     bool beside(const Pane& a, const Pane& b) const {
+        return soup_[a.slab.sides[0][0]].material == soup_[b.slab.sides[0][0]].material && inOnePlane(a, b);
+    }
+
+    // Nearly, and near one another.
+    bool inOnePlane(const Pane& a, const Pane& b) const {
         const SoupFace &one = soup_[a.slab.sides[0][0]], &other = soup_[b.slab.sides[0][0]];
-        if (one.material != other.material) return false;
         const dvec3 n = glm::normalize(twiceAreaVector(one)), m = glm::normalize(twiceAreaVector(other)),
                     apart = other.loops[0][0] + 0.5 * b.slab.across - one.loops[0][0] - 0.5 * a.slab.across;
         const double near = kBeside * std::sqrt(std::min(a.slab.area, b.slab.area));
@@ -285,10 +294,116 @@ private:
             replace(panes, made);
             for (const uint32_t i : group) placed[i] = true;
         }
+        keepUnfit(placed);
+    }
+
+    void keepUnfit(const std::vector<bool>& placed) {
         std::vector<Pane> left;
         for (uint32_t i = 0; i < unfit_.size(); ++i)
             if (!placed[i]) left.push_back(std::move(unfit_[i]));
         unfit_ = std::move(left);
+    }
+
+    // Slabs that meet at an angle, as round a corner.
+    bool meetAtAngle(const Pane& a, const Pane& b) const {
+        const dvec3 n = glm::normalize(twiceAreaVector(soup_[a.slab.sides[0][0]])),
+                    m = glm::normalize(twiceAreaVector(soup_[b.slab.sides[0][0]]));
+        return glm::length(glm::cross(n, m)) > kAngle &&
+               boxOf(a.body->faces).isNear(boxOf(b.body->faces), 10 * tolerance_);
+    }
+
+    // From the first side of a slab to the plane in the middle of another one that is parallel to it.
+    dvec3 toMiddle(const Pane& pane, const Pane& of) const {
+        const SoupFace &side = soup_[pane.slab.sides[0][0]], &other = soup_[of.slab.sides[0][0]];
+        const dvec3 n = glm::normalize(twiceAreaVector(side));
+        return glm::dot(n, other.loops[0][0] + 0.5 * of.slab.across - side.loops[0][0]) * n;
+    }
+
+    // The first side of a slab, moved, and larger by twice `more` all round.
+    std::vector<SoupFace> barrierOf(const Pane& pane, dvec3 shift, double more) const {
+        const dvec3 middle = boxOf(pane.slab.sides[0]).centre();
+        std::vector<SoupFace> out;
+        for (const uint32_t f : pane.slab.sides[0]) {
+            out.push_back(soup_[f]);
+            out.back().material = kBarrier;
+            for (auto& loop : out.back().loops)
+                for (dvec3& p : loop) p += shift + more * (p - middle);
+        }
+        return out;
+    }
+
+    // Of slabs that hang together, each up to the middles of those that it meets at an angle and to the ends
+    // of those beside it, of whatever glass: faces for all, or for none where one fits no hole so.
+    std::vector<std::vector<SoupFace>> fitTogether(const std::vector<uint32_t>& cluster) const {
+        std::vector<std::vector<SoupFace>> out;
+        std::map<uint32_t, dvec3> shift;
+        for (const uint32_t i : cluster) {
+            const uint32_t first = *std::ranges::find_if(
+                cluster, [&](uint32_t j) { return j == i || inOnePlane(unfit_[i], unfit_[j]); });
+            shift[i] = toMiddle(unfit_[i], unfit_[first]);
+        }
+        double around = 0, onGlass = 0; // lengths of borders
+        for (const uint32_t i : cluster) {
+            std::vector<SoupFace> soup = soup_;
+            const auto add = [&](const std::vector<SoupFace>& faces) {
+                for (SoupFace face : faces) {
+                    face.material = kBarrier;
+                    soup.push_back(std::move(face));
+                }
+            };
+            for (size_t k = 0; k < cluster.size(); ++k) {
+                const uint32_t j = cluster[k];
+                if (j == i) continue;
+                if (meetAtAngle(unfit_[i], unfit_[j]))
+                    add(barrierOf(unfit_[j], shift[j], kThickOfSide));
+                else if (inOnePlane(unfit_[i], unfit_[j]))
+                    add(k < out.size() ? out[k] : barrierOf(unfit_[j], shift[j], 0));
+            }
+            const std::function<bool(uint32_t)> isGlass = [&](uint32_t m) {
+                return m != kBarrier && isGlass_(m);
+            };
+            out.push_back(PaneFitter(soup, isGlass, tolerance_).fit(unfit_[i].slab.sides[0], shift[i]));
+            if (out.back().empty()) return {};
+            const std::span<const SoupFace> barriers = std::span(soup).subspan(soup_.size());
+            for (const SoupFace& face : out.back())
+                for (size_t k = 0; k < face.loops[0].size(); ++k) {
+                    const dvec3 a = face.loops[0][k], b = face.loops[0][(k + 1) % face.loops[0].size()];
+                    around += glm::length(b - a);
+                    if (std::ranges::any_of(
+                            barriers, [&](const SoupFace& other) { return liesOn(other, 0.5 * (a + b)); }))
+                        onGlass += glm::length(b - a);
+                }
+        }
+        if (onGlass > kMostOnGlass * around) return {}; // a body of its own, as an aquarium
+        return out;
+    }
+
+    bool liesOn(const SoupFace& face, dvec3 p) const {
+        const dvec3 n = glm::normalize(twiceAreaVector(face));
+        const double near = 10 * tolerance_;
+        return std::abs(glm::dot(n, p - face.loops[0][0])) <= near &&
+               boundsOf(face.loops[0]).isNear({p, p}, near);
+    }
+
+    void placeTogether() {
+        DisjointSets sets(unfit_.size());
+        for (uint32_t i = 0; i < unfit_.size(); ++i)
+            for (uint32_t j = 0; j < i; ++j)
+                if (!unfit_[i].slab.sides[1].empty() && !unfit_[j].slab.sides[1].empty() &&
+                    (inOnePlane(unfit_[i], unfit_[j]) || meetAtAngle(unfit_[i], unfit_[j])))
+                    sets.join(i, j);
+        std::map<uint32_t, std::vector<uint32_t>> clusters;
+        for (uint32_t i = 0; i < unfit_.size(); ++i) clusters[sets.root(i)].push_back(i);
+        std::vector<bool> placed(unfit_.size(), false);
+        for (const auto& [root, cluster] : clusters) {
+            if (cluster.size() < 2 || cluster.size() > kMostTogether) continue;
+            const auto made = fitTogether(cluster);
+            for (size_t k = 0; k < made.size(); ++k) {
+                replace({&unfit_[cluster[k]]}, made[k]);
+                placed[cluster[k]] = true;
+            }
+        }
+        keepUnfit(placed);
     }
 
     // `holds` of one of the sides of a slab or its middle.
@@ -346,6 +461,7 @@ private:
     }
 
     const std::vector<SoupFace>& soup_;
+    const std::function<bool(uint32_t)>& isGlass_;
     double tolerance_;
     PaneFitter holes_;
     std::vector<bool> gone_, edge_;             // per face

@@ -24,7 +24,8 @@ class Drawing {
 public:
     Drawing() : out_(file_) {
         std::ofstream(std::string(testing::TempDir()) + "slabs.mtl")
-            << "newmtl wall\nKd 0.5 0.5 0.5\nnewmtl glass\nKd 0 0 0\nTf 0.8 0.8 0.8\nNi 1.52\n";
+            << "newmtl wall\nKd 0.5 0.5 0.5\nnewmtl glass\nKd 0 0 0\nTf 0.8 0.8 0.8\nNi 1.52\n"
+               "newmtl dark\nTf 0.3 0.3 0.3\nNi 1.52\n";
         out_ << "mtllib slabs.mtl\n";
     }
 
@@ -46,10 +47,10 @@ public:
     void tube(const char* material, const Corners& from, const Corners& to) {
         for (size_t k = 0; k < 4; ++k) face(material, {from[k], from[(k + 1) % 4], to[(k + 1) % 4], to[k]});
     }
-    void slab(const Corners& one, const Corners& other) {
-        face("glass", one);
-        face("glass", {other[3], other[2], other[1], other[0]});
-        tube("glass", one, other);
+    void slab(const Corners& one, const Corners& other, const char* glass = "glass") {
+        face(glass, one);
+        face(glass, {other[3], other[2], other[1], other[0]});
+        tube(glass, one, other);
     }
     // Looks outwards where `one` runs counter-clockwise about the way to the other.
     void box(const Corners& one, const Corners& other) {
@@ -92,10 +93,11 @@ void drawRoom(Drawing& drawing, double near, double far) {
     drawing.tube("wall", turned(whole(near)), turned(whole(far)));
 }
 
-double glassOf(const Building& building, bool toOutside = false) {
+double glassOf(const Building& building, bool toOutside = false, const std::string& name = "") {
     double area = 0;
     for (const Face& face : building.faces)
-        if (building.materials[face.material].isOpening() && !(toOutside && face.twin != kNoTwin)) {
+        if ((name.empty() || building.materials[face.material].name == name) &&
+            building.materials[face.material].isOpening() && !(toOutside && face.twin != kNoTwin)) {
             glm::dvec3 sum{0};
             const auto& loop = face.loops[0];
             for (size_t k = 1; k + 1 < loop.size(); ++k)
@@ -339,6 +341,36 @@ TEST(GlassPanes, several_in_one_hole) {
     flat.face("glass", rectangle(1.004, 1.998, 0.804, 1.996, -0.1));
     flat.face("glass", rectangle(2.002, 2.996, 0.804, 1.996, -0.1));
     expectPanes(flat, 1, 2.4, 30 + 2.4 * 0.1, "2 panes taken to fill the hole");
+}
+
+TEST(GlassPanes, of_two_kinds_in_one_hole) {
+    Drawing drawing;
+    drawThickWalls(drawing);
+    drawing.slab(rectangle(1, 1.7, 0.8, 2, -0.12), rectangle(1, 1.7, 0.8, 2, -0.1), "dark");
+    drawing.slab(rectangle(1.7, 3, 0.8, 2, -0.13), rectangle(1.7, 3, 0.8, 2, -0.1));
+    const Building building = drawing.read();
+    EXPECT_EQ(building.roomCount, 1u);
+    EXPECT_NEAR(glassOf(building), 2.4, 1e-6);
+    EXPECT_NEAR(glassOf(building, false, "dark"), 0.7 * 1.2, 1e-6);
+    EXPECT_NEAR(volume(meshBuilding(building, {500})), 30 + 2.4 * 0.115, 1e-4);
+}
+
+// One ends at the other, whose end is seen.
+TEST(GlassPanes, round_a_corner_without_a_post) {
+    const auto across = [](double z0, double z1, double y0, double y1, double x) {
+        return Corners{{x, y0, z0}, {x, y0, z1}, {x, y1, z1}, {x, y1, z0}};
+    };
+    Drawing drawing;
+    for (const auto& [y0, y1, end] : {std::array{0.0, 0.8, 0.0}, {0.8, 2.0, 2.0}, {2.0, 2.5, 0.0}}) {
+        drawing.face("wall", rectangle(0, end == 0 ? 4 : 2, y0, y1, 0));
+        drawing.face("wall", across(end, 3, y0, y1, 4));
+    }
+    drawing.face("wall", turned(rectangle(0, 4, 0, 2.5, 3)));
+    drawing.face("wall", turned(across(0, 3, 0, 2.5, 0)));
+    for (const double y : {0.0, 2.5}) drawing.face("wall", {{0, y, 0}, {4, y, 0}, {4, y, 3}, {0, y, 3}});
+    drawing.slab(rectangle(2, 3.99, 0.8, 2, -0.01), rectangle(2, 3.99, 0.8, 2, 0.01));
+    drawing.slab(across(-0.01, 2, 0.8, 2, 3.99), across(-0.01, 2, 0.8, 2, 4.01));
+    expectPanes(drawing, 1, 4.8, 30, "2 slabs of glass taken as panes");
 }
 
 namespace {
