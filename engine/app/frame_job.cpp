@@ -65,7 +65,8 @@ std::string hashOfScene(const Scene& scene) {
              {blind.transmittance, blind.reflectance, blind.slatAngleDeg, blind.slatSpacing})
             hash.add(&value, sizeof value);
     }
-    hash.add(mesh.outside.vertices), hash.add(mesh.outside.triangles);
+    if (!mesh.outside.triangles.empty())
+        hash.add(mesh.outside.vertices), hash.add(mesh.outside.triangles);
     hash.add(scene.occluders.vertices), hash.add(scene.occluders.triangles);
     hash.add(&scene.northDeg, sizeof scene.northDeg);
     return hash.text();
