@@ -214,9 +214,9 @@ private:
     void submit(gpu::Commands&& commands) {
         counters_.submitAndRead(std::move(commands));
         if (counters_[io::kExactCutCount] > 0)
-            throw std::runtime_error(
+            throw TooManyBlockers(
                 fmt::format("kernel exact: more blockers stand between two patches than device "
-                            "'{}' has turns of loops for; smaller patches have fewer",
+                            "'{}' has turns of loops for; --kernel hierarchical takes any number",
                             device_.info().name));
     }
 

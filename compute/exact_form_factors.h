@@ -9,6 +9,7 @@
 #pragma once
 
 #include <functional>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -29,6 +30,12 @@ struct ExactOptions {
     // large patches behind crowds, at errors of 1e-5, take minutes.
     std::function<void(double secondsLeft)> longWork;
     double longFrom = 20;
+};
+
+// So many blockers stand between two patches that the device ends loops along them early (lavapipe, 65,535
+// turns in all: from about 6000 on, fewer where they have more than four corners).
+struct TooManyBlockers : std::runtime_error {
+    using std::runtime_error::runtime_error;
 };
 
 struct ExactStatistics {
@@ -57,8 +64,7 @@ struct ExactTile {
 
 // Every patch of a room blocks from both sides; patches of different rooms exchange nothing. Patches must be
 // planar and convex; degenerate ones have zero rows and columns. Memory: the dense matrix and about 0.5 GB.
-// Throws std::runtime_error where so many blockers stand between two patches that the device ends loops along
-// them early (lavapipe: 65,535 turns).
+// Throws TooManyBlockers.
 ExactFormFactors exactFormFactors(gpu::Device& device, const geometry::PatchMesh& mesh,
                                   const ExactOptions& options = {});
 

@@ -263,6 +263,51 @@ FormFactors factorsOf(gpu::Device& device, const geometry::PatchMesh& mesh, cons
     refuse(choice.kernel);
 }
 
+// Of `auto`, where visible polygons cannot be found.
+void leaveToLinks(KernelChoice& choice) {
+    choice.kernel = "hierarchical";
+    choice.maxError = std::max(choice.maxError, kLeastErrorOfLinks);
+    choice.why += "; more blockers stand between two patches than this device can find visible polygons "
+                  "behind: links between clusters instead";
+}
+
+// Another kernel goes on where the first does not keep what was asked, or cannot.
+FormFactors factorsOfAuto(gpu::Device& device, const geometry::PatchMesh& mesh,
+                          const FormFactorOptions& options, KernelChoice& choice) {
+    try {
+        FormFactors result = factorsOf(device, mesh, options, choice);
+        const double claimed = result.report.claimedRowError, sums = result.report.claimedRowSumError;
+        // Sums matter to light only; of entries, rows are what was asked.
+        const double missed = options.forLight ? std::max(claimed, sums / kSumOverRow) : claimed;
+        if (choice.kernel == "exact" || missed <= kMargin * choice.maxError) return result;
+        choice.kernel = "exact";
+        choice.why += fmt::format("; these leave up to {:.2g}", claimed);
+        if (sums > 0) choice.why += fmt::format(", {:.2g} of a row's sum", sums); // not once they gave up
+        choice.why += ": visible polygons instead";
+        result = {}; // both matrices would take twice the memory
+        return factorsOf(device, mesh, options, choice);
+    } catch (const TooManyBlockers&) {
+        leaveToLinks(choice);
+        return hierarchicalFormFactors(device, mesh, choice.ofLinks * choice.maxError, 0);
+    }
+}
+
+FormFactorReport tilesOf(gpu::Device& device, const geometry::PatchMesh& mesh,
+                         const FormFactorOptions& options, const KernelChoice& choice, const TakeTile& take) {
+    if (choice.kernel == "exact") return exactTiles(device, mesh, choice.maxError, take);
+    if (choice.kernel == "hierarchical") {
+        const HierarchicalFormFactors factors = links(device, mesh, choice.ofLinks * choice.maxError);
+        takeRows(factors, take);
+        return factors.report();
+    }
+    if (choice.kernel == "hemicube") {
+        if (choice.maxError > 0) refuseErrorOfRows(mesh.patchCount());
+        return hemicubeRows(device, mesh, options, take);
+    }
+    if (choice.kernel == "montecarlo") return monteCarloRows(device, mesh, options, choice.maxError, take);
+    refuse(choice.kernel);
+}
+
 // No patch sends more than all of its light: what a row has above one is an error, whatever its kernel
 // claims. Sums may be off by more than their row as long as errors of entries are alike; beyond that the
 // claims grow.
@@ -457,18 +502,8 @@ FormFactors computeFormFactors(gpu::Device& device, const geometry::PatchMesh& m
                                const FormFactorOptions& options) {
     const Stopwatch watch;
     KernelChoice choice = chooseKernel(device, mesh, options);
-    FormFactors result = factorsOf(device, mesh, options, choice);
-    const double claimed = result.report.claimedRowError, sums = result.report.claimedRowSumError;
-    // Sums matter to light only; of entries, rows are what was asked.
-    const double missed = options.forLight ? std::max(claimed, sums / kSumOverRow) : claimed;
-    if (options.kernel == "auto" && choice.kernel == "hierarchical" && missed > kMargin * choice.maxError) {
-        choice.kernel = "exact";
-        choice.why += fmt::format("; these leave up to {:.2g}", claimed);
-        if (sums > 0) choice.why += fmt::format(", {:.2g} of a row's sum", sums); // not once they gave up
-        choice.why += ": visible polygons instead";
-        result = {}; // both matrices would take twice the memory
-        result = factorsOf(device, mesh, options, choice);
-    }
+    FormFactors result = options.kernel == "auto" ? factorsOfAuto(device, mesh, options, choice)
+                                                  : factorsOf(device, mesh, options, choice);
     result.report.seconds = watch.seconds();
     measureFormFactors(mesh, result.values, result.report);
     if (choice.kernel == "montecarlo") claimWhatRaysMiss(mesh, result.report);
@@ -481,7 +516,7 @@ FormFactorReport streamFormFactors(gpu::Device& device, const geometry::PatchMes
                                    const FormFactorOptions& options,
                                    const std::function<void(const FormFactorTile&)>& take) {
     const Stopwatch watch;
-    const KernelChoice choice = chooseKernel(device, mesh, options);
+    KernelChoice choice = chooseKernel(device, mesh, options);
     std::vector<double> sums(mesh.patchCount(), 0.0);
     const TakeTile taken = [&](const FormFactorTile& tile) {
         for (size_t i = 0; i < tile.rows; ++i)
@@ -490,19 +525,13 @@ FormFactorReport streamFormFactors(gpu::Device& device, const geometry::PatchMes
         take(tile);
     };
     FormFactorReport report;
-    if (choice.kernel == "exact") {
-        report = exactTiles(device, mesh, choice.maxError, taken);
-    } else if (choice.kernel == "hierarchical") {
-        const HierarchicalFormFactors factors = links(device, mesh, choice.ofLinks * choice.maxError);
-        report = factors.report();
-        takeRows(factors, taken);
-    } else if (choice.kernel == "hemicube") {
-        if (choice.maxError > 0) refuseErrorOfRows(mesh.patchCount());
-        report = hemicubeRows(device, mesh, options, taken);
-    } else if (choice.kernel == "montecarlo") {
-        report = monteCarloRows(device, mesh, options, choice.maxError, taken);
-    } else {
-        refuse(choice.kernel);
+    try {
+        report = tilesOf(device, mesh, options, choice, taken);
+    } catch (const TooManyBlockers&) {
+        if (options.kernel != "auto") throw;
+        leaveToLinks(choice);
+        std::ranges::fill(sums, 0.0);
+        report = tilesOf(device, mesh, options, choice, taken);
     }
     measureClosure(sums, report);
     claimExcess(sums, report);

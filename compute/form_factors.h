@@ -93,7 +93,8 @@ struct FormFactorTile {
     std::span<const float> values; // rows x columns, row-major; valid during the call
 };
 
-// Every entry once, in tiles in no set order: for matrices that need not fit into memory, which stays below
+// Every entry once (again from the start where `auto` cannot go on with visible polygons: what comes later
+// counts), in tiles in no set order: for matrices that need not fit into memory, which stays below
 // about 1 GB however many patches. `hemicube` and `montecarlo` give their rows without the averaging of both
 // ends, and no reciprocity; `montecarlo` chooses its rays by a sample of the rows, `hemicube`, whose rows say
 // nothing of their error, refuses maxError and maxRadiosityError. Throws as computeFormFactors.
@@ -102,7 +103,8 @@ FormFactorReport streamFormFactors(gpu::Device& device, const geometry::PatchMes
                                    const std::function<void(const FormFactorTile&)>& take);
 
 // The whole matrix, in the device's memory, beside what its kernel needs (its header says). Throws
-// geometry::InputError on an unknown kernel name, gpu::Error where there is no room.
+// geometry::InputError on an unknown kernel name, gpu::Error where there is no room, TooManyBlockers
+// (exact_form_factors.h) by `exact` alone: `auto` goes on with links then.
 FormFactors computeFormFactors(gpu::Device& device, const geometry::PatchMesh& mesh,
                                const FormFactorOptions& options = {});
 

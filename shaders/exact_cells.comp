@@ -14,10 +14,11 @@
 #include "shaders/lib/monte_carlo_points.glsl"
 #include "shaders/lib/lit_along_lines.glsl"
 
-// Of lines: their errors fall faster than their cost rises, but where they do not matter a few are enough.
+// Of lines: their errors fall faster than their cost rises, but where they do not matter a few are enough, and behind
+// many blockers so many would be too much at once (loop_limit.glsl).
 uint foursFor(uint listed) {
     uint wanted = demand < 32.0 ? 1u : demand < 256.0 ? 4u : 16u;
-    return min(wanted, max(1u, 2560u / listed)); // loop_limit.glsl
+    return min(wanted, listed > 640u ? 1u : listed > 160u ? 4u : 16u);
 }
 
 // `piece` is what of the inner piece lies above the outer one's plane.

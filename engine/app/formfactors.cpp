@@ -108,7 +108,7 @@ compute::FormFactorReport stream(Run& run, const geometry::PatchMesh& mesh,
     size_t entries = 0, before = 0;
     return compute::streamFormFactors(device, mesh, options, [&](const compute::FormFactorTile& tile) {
         out.put(tile.firstRow, tile.rows, tile.firstColumn, tile.columns, tile.values);
-        entries += tile.values.size();
+        entries = std::min(entries + tile.values.size(), n * n); // some may come again
         if (!progress) {
             before = entries;
             progress.emplace("formfactors", n, run.showsProgress());

@@ -89,7 +89,8 @@ vec2 overCell(vec2 a, vec2 b, vec2 c, bool quick, bool probed) {
         int turn = probe ? k - points : k % 4;
         vec2 corner = turn == 0 ? a : turn == 1 ? b : c;
         float t = probe ? kProbe : k == 3 ? 1.0 / 3.0 : k < 3 ? kRadonFar : kRadonNear;
-        float f = seen(t * (a + b + c) + (1.0 - 3.0 * t) * corner);
+        float f = 0.0;
+        if (k < all) f = seen(t * (a + b + c) + (1.0 - 3.0 * t) * corner); // the others' turns: loop_limit.glsl
         if (k < points) sums += k < 3 ? vec3(0.0, f, 0.0) : k > 3 ? vec3(f, 0.0, 0.0) : vec3(0.0, 0.0, f);
         if (k < points) range = vec2(min(range.x, f), max(range.y, f));
         if (k < 3) far[k] = f;

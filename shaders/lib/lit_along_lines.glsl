@@ -57,7 +57,7 @@ uvec4 hiddenOf(Frame f, Origin o, vec3 point, uint firstListed, uint listed, Cho
     uint m = 0u, corner = 0u;
     [[dont_unroll]] do {
         if (corner == 0u) {
-            blocker = faceAt(lists[firstListed + min(m, listed - 1u)]); // the last one again does no harm
+            blocker = faceAt(lists[firstListed + min(m, max(listed, 1u) - 1u)]); // the last one again does no harm
             k0 = cornerFrom(o, blocker.first + blocker.count - 1u) - point;
             float height = dot(blocker.normal, k0);
             edgeOn = abs(height) <= kFlat * length(k0);
@@ -101,7 +101,7 @@ float litShareAlongLines(Frame f, Origin o, vec3 point, vec3 normal, uint inner,
         vec4 strip = 4.0 * float(four) + vec4(0.0, 1.0, 2.0, 3.0) + vec4(u, 1.0 - u, 1.0 - u, u);
         vec4 jitter = fract(start + kGolden * (4.0 * float(four) + vec4(0.0, 1.0, 2.0, 3.0)));
         Chords c = chordsAt(along, mix(vec4(range.x), vec4(range.y), strip / (4.0 * float(fours))));
-        uvec4 hidden = hiddenOf(f, o, point, firstListed, listed, c, jitter);
+        uvec4 hidden = hiddenOf(f, o, point, firstListed, four < fours ? listed : 0u, c, jitter);
         vec4 dx = c.toX - c.fromX, dy = c.toY - c.fromY, chord = sqrt(dx * dx + dy * dy);
         uint bit = 0u;
         [[dont_unroll]] do { // two bits at a time

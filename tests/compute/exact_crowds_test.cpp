@@ -60,6 +60,32 @@ TEST(ExactCrowds, light_past_hundreds_of_loose_triangles_agrees_with_the_referen
     }
 }
 
+// Two unit squares a metre apart and, half-way, across x across squares.
+void addScreenedPair(std::vector<std::vector<dvec3>>& faces, double x, int across) {
+    faces.push_back({{x, 0, 0}, {x + 1, 0, 0}, {x + 1, 1, 0}, {x, 1, 0}});
+    faces.push_back({{x, 0, 1}, {x, 1, 1}, {x + 1, 1, 1}, {x + 1, 0, 1}});
+    const double pitch = 1.0 / across, side = 0.7 * pitch;
+    for (int k = 0; k < across * across; ++k) {
+        const dvec3 corner(x + pitch * (k % across) + 0.15 * pitch, pitch * (k / across) + 0.15 * pitch, 0.5),
+            u(side, 0, 0), v(0, side, 0);
+        faces.push_back({corner, corner + u, corner + u + v, corner + v});
+    }
+}
+
+// Points behind few blockers look along more lines than those behind many, which software devices hold to one
+// number of turns of their loops (shaders/lib/loop_limit.glsl).
+TEST(ExactCrowds, pairs_behind_many_and_behind_few_blockers_do_not_cut_each_other_short) {
+    std::vector<std::vector<dvec3>> faces;
+    addScreenedPair(faces, 0, 30);
+    addScreenedPair(faces, 3, 12);
+    const geometry::PatchMesh mesh = test::polygons(faces);
+    const std::vector<float> F = matrixOf(mesh, {.maxError = 1e-3});
+    const size_t other = 2 + 30 * 30;
+    const double passes = 0.1998 * (1 - 0.7 * 0.7);
+    EXPECT_NEAR(F[1], passes, 2e-3); // a screen so fine hides its share of the light
+    EXPECT_NEAR(F[other * mesh.patchCount() + other + 1], passes, 2e-3);
+}
+
 // Few large patches behind many blockers are cut where little error is asked: each point of a part has less
 // between. Rows of patches stay whole.
 TEST(ExactCrowds, large_patches_behind_crowds_are_cut_where_little_error_is_asked) {

@@ -2,6 +2,7 @@
 
 #include <numbers>
 #include <random>
+#include <utility>
 
 #include <gtest/gtest.h>
 
@@ -324,6 +325,37 @@ TEST(FormFactors, links_that_will_not_keep_what_is_asked_are_given_up_early) {
     EXPECT_GT(kept.statistics().links, 0u);
     const HierarchicalFormFactors stuck(test::device(), looseTriangles(30, 1.3), {3e-3});
     EXPECT_EQ(stuck.statistics().again, 1u);
+}
+
+// Scenes of so many take half a minute: whoever is told of the progress says that `exact` met them.
+TEST(FormFactors, auto_goes_on_with_links_where_visible_polygons_cannot_be_found) {
+    const geometry::PatchMesh mesh = test::roomWithScreens();
+    const auto tooMany = [](double) { throw TooManyBlockers("too many"); };
+    FormFactorOptions options = asking("auto", 2.5e-3);
+    ASSERT_EQ(computeFormFactors(test::device(), mesh, options).report.kernel, "exact");
+    options.progress = tooMany;
+    const FormFactorReport report = computeFormFactors(test::device(), mesh, options).report;
+    EXPECT_EQ(report.kernel, "hierarchical");
+    EXPECT_NE(report.why.find("links between clusters instead"), std::string::npos) << report.why;
+    options.kernel = "exact";
+    EXPECT_THROW(computeFormFactors(test::device(), mesh, options), TooManyBlockers);
+
+    const size_t n = mesh.patchCount();
+    std::vector<double> sums(n, 0.0);
+    bool first = true;
+    const auto take = [&](const FormFactorTile& tile) {
+        if (std::exchange(first, false)) throw TooManyBlockers("too many");
+        for (size_t i = 0; i < tile.rows; ++i)
+            for (size_t j = 0; j < tile.columns; ++j)
+                sums[tile.firstRow + i] += double{tile.values[i * tile.columns + j]};
+    };
+    const FormFactorReport streamed = streamFormFactors(test::device(), mesh, asking("auto", 2.5e-3), take);
+    EXPECT_EQ(streamed.kernel, "hierarchical");
+    double gap = 0;
+    for (double sum : sums) gap = std::max(gap, std::abs(sum - 1));
+    EXPECT_NEAR(streamed.closureMax, gap, 1e-9) << "what came before is forgotten";
+    first = true;
+    EXPECT_THROW(streamFormFactors(test::device(), mesh, asking("exact", 2.5e-3), take), TooManyBlockers);
 }
 
 TEST(FormFactors, light_lost_in_closed_rooms_is_warned_of) {
