@@ -5,10 +5,12 @@
 #include <map>
 
 #include <fmt/format.h>
+#include <glm/geometric.hpp>
 
 #include "compute/convex_regions.h"
 #include "compute/gpu/device.h"
 #include "compute/hierarchical.h"
+#include "geometry/outline_area.h"
 
 namespace heliodon::compute {
 
@@ -19,7 +21,7 @@ constexpr double kDefaultError = 1e-3;
 // of blockers or, where these are fewer than 28, kOfFewBlockers over their number, at most kMostWithBlockers.
 // With any blocker links send rays between clusters that it comes near; without any they send none, and pay
 // sooner: hence the jump from 0 to 1.
-constexpr double kOfOneBlocker = 0.019, kOfFewBlockers = 0.1, kMostWithBlockers = 6e-3,
+constexpr double kOfOneBlocker = 0.019, kOfFewBlockers = 0.1, kMostWithBlockers = 4.5e-3,
                  kWithoutBlockers = 2e-3;
 constexpr double kFewAPlaneGain = 1.0 / 3; // of these, with few patches a plane
 // With fewer patches a blocker than this, links do not pay below.
@@ -29,6 +31,10 @@ constexpr double kFewABlocker = 2.3, kLeastWithFewABlocker = 3e-3;
 constexpr double kOfLinksWithFewABlocker = 0.8;
 // Nor with more than this: between small patches few of a room's blockers matter, however many there are.
 constexpr double kManyABlocker = 8, kLeastWithManyABlocker = 3e-3;
+// Blockers of so much of their room's area on the mean, partitions and tall boards, hide most pairs behind
+// them wholly, which is proven at once, while nearly all clusters in the open have one near and send rays:
+// links pay from this times that share on.
+constexpr double kLarge = 0.05, kOfLargeBlockers = 0.3;
 // Sums of rows, by which light that goes round grows or dies, may be off by ten times the row error with
 // links and by little with visible polygons: for light only errors this coarse are left to links.
 constexpr double kLeastForLight = 2e-3;
@@ -56,23 +62,35 @@ double amplificationIn(const geometry::PatchMesh& mesh, const FormFactorOptions&
 
 Obstacles obstaclesIn(const geometry::PatchMesh& mesh) {
     struct Room {
-        double patches = 0, blockers = 0;
+        double patches = 0, area = 0, blockers = 0, blocking = 0, squares = 0; // areas; of blockers, squared
     };
     std::map<uint32_t, Room> rooms;
-    for (uint32_t room : mesh.room) ++rooms[room].patches;
+    for (size_t i = 0; i < mesh.patchCount(); ++i) {
+        Room& room = rooms[mesh.room[i]];
+        ++room.patches;
+        room.area += geometry::patchArea(mesh, i);
+    }
     const BlockingPlanes found = blockingPlanes(mesh, 8);
-    for (const ConvexRegion& region : found.regions) ++rooms[region.room].blockers;
-    double pairs = 0, patches = 0, blockers = 0; // the latter two over all pairs
+    for (const ConvexRegion& region : found.regions) {
+        Room& room = rooms[region.room];
+        const double area = glm::length(geometry::areaVector(region.corners));
+        ++room.blockers;
+        room.blocking += area;
+        room.squares += area * area;
+    }
+    double pairs = 0, patches = 0, blockers = 0, large = 0; // the latter three over all pairs
     for (const auto& [number, room] : rooms) {
         const double squared = room.patches * room.patches;
         pairs += squared;
         patches += squared * room.patches;
         blockers += squared * room.blockers;
+        if (room.blocking > 0) large += squared * room.squares / (room.blocking * room.area);
     }
     return {.blockers = blockers / std::max(pairs, 1.0),
             .patchesABlocker = blockers > 0 ? patches / blockers : INFINITY,
             .fewPatchesAPlane = found.planes >= kFewPlanes &&
-                                static_cast<double>(mesh.patchCount()) < kFewAPlane * found.planes};
+                                static_cast<double>(mesh.patchCount()) < kFewAPlane * found.planes,
+            .blockerShare = large / std::max(pairs, 1.0)};
 }
 
 } // namespace
@@ -86,6 +104,8 @@ double errorFromWhichLinksPay(const Obstacles& obstacles) {
     if (any && obstacles.patchesABlocker < kFewABlocker) return std::max(pays, kLeastWithFewABlocker);
     if (obstacles.fewPatchesAPlane)
         pays *= kFewAPlaneGain;
+    else if (obstacles.blockerShare >= kLarge)
+        pays = std::max(pays, kOfLargeBlockers * obstacles.blockerShare);
     else if (any && obstacles.patchesABlocker >= kManyABlocker)
         pays = std::max(pays, kLeastWithManyABlocker);
     return std::max(pays, kLeastErrorOfLinks);
@@ -133,6 +153,8 @@ KernelChoice chooseKernel(const gpu::Device& device, const geometry::PatchMesh& 
         choice.why += fmt::format(": {:.2g} blockers and {:.2g} patches a blocker, on the mean over pairs",
                                   obstacles.blockers, obstacles.patchesABlocker);
     if (obstacles.fewPatchesAPlane) choice.why += ", few patches a plane";
+    if (obstacles.blockerShare >= kLarge)
+        choice.why += fmt::format(", of {:.2g} % of the room's area", 100 * obstacles.blockerShare);
     return choice;
 }
 

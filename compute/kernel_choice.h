@@ -24,13 +24,14 @@ struct Obstacles {
     double blockers = 0;           // of that room
     double patchesABlocker = 0;    // of that room; anything without blockers
     bool fewPatchesAPlane = false; // as curved surfaces have
+    double blockerShare = 0;       // of that room's area that a blocker has, on the mean by blockers' area
 };
 
 // The row error from which links between clusters cost less than visible polygons on a CPU device. Rays
 // between clusters cost the same whatever stands between, visible polygons more with every blocker that comes
-// between two patches: few where patches are small beside blockers. Where few patches share a plane, `exact`
-// finds none to classify together. Where each blocker is a patch or two, links find no clusters either: each
-// pair takes its own rays, up to hundreds.
+// between two patches: few where patches are small beside blockers, or where these are so large that one
+// hides all. Where few patches share a plane, `exact` finds none to classify together. Where each blocker is
+// a patch or two, links find no clusters either: each pair takes its own rays, up to hundreds.
 double errorFromWhichLinksPay(const Obstacles& obstacles);
 
 } // namespace heliodon::compute
