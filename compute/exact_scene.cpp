@@ -82,7 +82,7 @@ dvec3 unitOrZero(const dvec3& v) {
 constexpr double kNarrow =
     1e-6; // of faces' sizes: gaps that heights in float32, see kFlat, do not tell surely
 // Behind more blockers than kCrowd fewer than kFewPieces are cut into about kCutPieces (measured: louvres).
-constexpr size_t kCrowd = 12, kFewPieces = 100, kCutPieces = 500;
+constexpr size_t kCrowd = 12, kFewPieces = 150, kCutPieces = 500;
 // Needles, of less than so much of their length's square, are cut to so many roots of a piece's area (all
 // twice the area): few points along the narrow face of a board err alike towards all parts of a wall. At most
 // kMostCut times as many pieces come of that.

@@ -97,6 +97,9 @@ TEST(ExactCrowds, large_patches_behind_crowds_are_cut_where_little_error_is_aske
     EXPECT_NEAR(F[1], truth, 1e-4); // as asked of rows
     EXPECT_NEAR(F[1], F[mesh.patchCount()], 1e-7);
     EXPECT_GT(fine.partial, 20 * loose.partial) << "pairs of parts";
+    const geometry::PatchMesh boards = crowd(130); // as twenty boards in a room, 126 faces
+    ASSERT_GT(boards.patchCount(), 120u);
+    EXPECT_GT(exactScene(test::device(), boards, 2304, true).pieceCount, 2 * boards.patchCount());
 }
 
 // Narrow faces of boards, whose few points would err alike towards all of a wall; however many, the matrix of
