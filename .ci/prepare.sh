@@ -6,7 +6,7 @@ cd "$(dirname "${BASH_SOURCE[0]}")/.."
 build_packages=(
     g++ cmake ninja-build pkg-config ccache
     libvulkan-dev mesa-vulkan-drivers glslang-tools spirv-tools libglm-dev libglfw3-dev
-    libopencv-dev libavformat-dev libavcodec-dev libswscale-dev libcgal-dev libcli11-dev nlohmann-json3-dev libfmt-dev libtinygltf-dev zlib1g-dev libembree-dev
+    libopencv-dev libjpeg-dev libavformat-dev libavcodec-dev libswscale-dev libcgal-dev libcli11-dev nlohmann-json3-dev libfmt-dev libtinygltf-dev zlib1g-dev libembree-dev
     libimgui-dev libstb-dev fonts-dejavu-core libaravis-dev libusb-1.0-0-dev
 )
 test_packages=(

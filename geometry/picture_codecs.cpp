@@ -9,6 +9,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "geometry/film_codec.h"
+#include "geometry/jpeg_damage.h"
 #include "geometry/picture_file.h"
 
 namespace heliodon::geometry {
@@ -102,6 +103,9 @@ bool writePng(const std::filesystem::path& file, int width, int height, const ui
 } // namespace heliodon::geometry
 
 extern "C" const heliodon::geometry::PictureCodecs heliodonPictureCodecs;
-const heliodon::geometry::PictureCodecs heliodonPictureCodecs{
-    heliodon::geometry::kPictureCodecsVersion, heliodon::geometry::picture, heliodon::geometry::greyPicture,
-    heliodon::geometry::writePng, heliodon::geometry::openFilm};
+const heliodon::geometry::PictureCodecs heliodonPictureCodecs{heliodon::geometry::kPictureCodecsVersion,
+                                                              heliodon::geometry::picture,
+                                                              heliodon::geometry::greyPicture,
+                                                              heliodon::geometry::jpegDamage,
+                                                              heliodon::geometry::writePng,
+                                                              heliodon::geometry::openFilm};

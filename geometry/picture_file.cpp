@@ -57,6 +57,10 @@ std::optional<GreyPixels> greyPictureIn(const std::vector<uint8_t>& bytes) {
     return codecs().greyPicture(bytes);
 }
 
+std::optional<std::string> jpegDamageIn(const std::vector<uint8_t>& bytes) {
+    return codecs().jpegDamage(bytes);
+}
+
 void writePngFile(const std::filesystem::path& file, int width, int height, const uint8_t* rgb) {
     writeWhole(file, [&](const std::filesystem::path& aside) {
         if (!codecs().writePng(aside, width, height, rgb))

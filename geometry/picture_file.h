@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
 namespace heliodon::geometry {
@@ -23,6 +24,9 @@ std::vector<uint8_t> bytesOf(const std::filesystem::path& file);
 // From a file's bytes: PNG, JPEG and TIFF, 8 or 16 bits, colour or grey; an alpha channel is dropped, the
 // stated orientation ignored. Nothing where they are no picture.
 std::optional<PicturePixels> pictureIn(const std::vector<uint8_t>& bytes);
+
+// What a JPEG's data lacks (jpeg_damage.h): both read it with grey or smears there.
+std::optional<std::string> jpegDamageIn(const std::vector<uint8_t>& bytes);
 
 struct GreyPixels {
     int width = 0, height = 0;
@@ -52,13 +56,14 @@ std::unique_ptr<FilmEncoder> openFilmFile(const std::filesystem::path& file, int
                                           double framesPerSecond);
 
 // Counts up with every change of what stands below: a module of another build is refused, not called.
-constexpr uint32_t kPictureCodecsVersion = 5;
+constexpr uint32_t kPictureCodecsVersion = 6;
 
 // What the module exports, by the name `heliodonPictureCodecs`.
 struct PictureCodecs {
     uint32_t version;
     std::optional<PicturePixels> (*picture)(const std::vector<uint8_t>&);
     std::optional<GreyPixels> (*greyPicture)(const std::vector<uint8_t>&);
+    std::optional<std::string> (*jpegDamage)(const std::vector<uint8_t>&);
     bool (*writePng)(const std::filesystem::path&, int, int, const uint8_t*);
     std::unique_ptr<FilmEncoder> (*openFilm)(const std::filesystem::path&, int, int, double);
 };

@@ -42,6 +42,8 @@ Picture readOrComplain(std::optional<Picture> (*pictureIn)(const std::vector<uin
     if (isDamaged(bytes))
         throw geometry::InputError(file.string(), "",
                                    "the picture is damaged: a checksum in it is not that of its data");
+    if (const auto damage = geometry::jpegDamageIn(bytes))
+        throw geometry::InputError(file.string(), "", "the picture is damaged: " + *damage);
     auto picture = pictureIn(bytes);
     if (!picture)
         throw geometry::InputError(file.string(), "",

@@ -990,6 +990,27 @@ TEST(Photograph, too_many_pixels_are_refused_before_they_are_decoded) {
     EXPECT_NE(refusal("MM\0*\xFF\xFF\xFF\xFF"s), ""); // a directory beyond the file's end
 }
 
+// Decoders paint grey what data does not reach. A JPEG has no checksum: what still makes as many pixels
+// passes.
+TEST(Photograph, with_less_or_more_data_than_pixels_is_refused_by_name) {
+    std::ifstream in(HELIODON_TEST_DATA "/vision/i01_mixed_harsh.jpg", std::ios::binary);
+    const std::string whole((std::istreambuf_iterator<char>(in)), {});
+    const std::string file = testing::TempDir() + "heliodon_damaged.jpg";
+    for (const size_t bytes : {1u, 400u}) {
+        std::string damaged = whole;
+        const size_t at = whole.size() * (bytes == 1 ? 3 : 7) / 10;
+        damaged.replace(at, bytes, bytes, bytes == 1 ? static_cast<char>(whole[at] ^ 0x10) : '\x11');
+        std::ofstream(file, std::ios::binary) << damaged;
+        try {
+            readPhotograph(file);
+            ADD_FAILURE() << bytes;
+        } catch (const geometry::InputError& error) {
+            EXPECT_EQ(std::string(error.what()).rfind(file + ": the picture is damaged: ", 0), 0u)
+                << error.what();
+        }
+    }
+}
+
 TEST(Photograph, cut_short_or_grey_is_no_photograph) {
     std::ifstream in(HELIODON_TEST_DATA "/vision/i01_mixed_harsh.jpg", std::ios::binary);
     const std::string whole((std::istreambuf_iterator<char>(in)), {});
@@ -1006,6 +1027,9 @@ TEST(Photograph, cut_short_or_grey_is_no_photograph) {
     }
     // What a camera adds behind the picture does not make it less whole.
     std::ofstream(file, std::ios::binary) << whole << std::string(100, 'x');
+    EXPECT_NO_THROW(readPhotograph(file));
+    // Nor what it pads the data with.
+    std::ofstream(file, std::ios::binary) << whole.substr(0, whole.size() - 2) << "pad\xFF\xD9";
     EXPECT_NO_THROW(readPhotograph(file));
     EXPECT_FALSE(hasColor({2, 1, {9, 9, 9, 200, 200, 200}}));
 }
