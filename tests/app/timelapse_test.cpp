@@ -402,6 +402,22 @@ TEST_F(Timelapse, an_interrupted_run_says_so_and_leaves_nothing) {
     }
 }
 
+// Work that is not asked for a while. A terminal that is closed is not impatient, however often it says so.
+TEST(Interrupt, a_second_signal_ends_the_program_at_once_where_it_is_no_echo_of_the_first) {
+    const auto raised = [](int first, int second, int pauseMs) {
+        const app::InterruptGuard guard;
+        std::raise(first);
+        std::this_thread::sleep_for(std::chrono::milliseconds(pauseMs));
+        std::raise(second);
+        std::_Exit(0);
+    };
+    constexpr int kLater = 300;
+    EXPECT_EXIT(raised(SIGINT, SIGINT, kLater), testing::KilledBySignal(SIGINT), "");
+    EXPECT_EXIT(raised(SIGINT, SIGTERM, kLater), testing::KilledBySignal(SIGTERM), "");
+    EXPECT_EXIT(raised(SIGTERM, SIGTERM, 20), testing::ExitedWithCode(0), "");
+    EXPECT_EXIT(raised(SIGHUP, SIGHUP, kLater), testing::ExitedWithCode(0), "");
+}
+
 // Commands that use no device are asked between their stages: `model` wrote all of two million triangles.
 TEST(Stages, none_begins_once_a_run_is_interrupted) {
     app::Run run(app::Arguments{});
