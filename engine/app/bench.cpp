@@ -6,7 +6,6 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "compute/closed_solid.h"
 #include "compute/form_factors.h"
 #include "compute/parallel.h"
 #include "compute/reference/form_factor_rows.h"
@@ -375,33 +374,30 @@ void writeResults(Run& run, const BenchArguments& arguments, Bench& bench, bool 
     plot.write(arguments.output / "bench.png");
 }
 
-// Nothing reaches anything there: all kernels, and the reference, would agree on zeros.
-void refuseOutwardFaces(const std::vector<BenchScene>& scenes) {
-    for (const BenchScene& scene : scenes)
-        if (compute::isClosedSolid(scene.mesh) && compute::facesLookOutwards(scene.mesh))
-            throw geometry::InputError(scene.name, "", compute::kFacesLookOutwards);
-}
-
 std::vector<std::string> filesOf(const BenchArguments& arguments) {
     std::vector<std::string> files{"bench.csv", "bench.json", "bench.svg", "bench.png", "gather.csv"};
     std::ranges::move(sceneFiles(arguments.scenes, arguments.sizes), std::back_inserter(files));
     return files;
 }
 
+template<class Value> std::vector<Value> eachOnce(const std::vector<Value>& given) {
+    std::vector<Value> values;
+    for (const Value& value : given)
+        if (std::ranges::find(values, value) == values.end()) values.push_back(value);
+    return values;
+}
+
 // Each once; "all" stands for `known`, beside others too.
 template<class Names>
 std::vector<std::string> expanded(const std::vector<std::string>& given, const Names& known) {
     std::vector<std::string> names;
-    const auto add = [&](std::string_view name) {
-        if (std::ranges::find(names, name) == names.end()) names.emplace_back(name);
-    };
     for (const std::string& name : given) {
         if (name != "all")
-            add(name);
+            names.push_back(name);
         else
-            std::ranges::for_each(known, add);
+            names.insert(names.end(), known.begin(), known.end());
     }
-    return names;
+    return eachOnce(names);
 }
 
 BenchArguments completed(BenchArguments arguments) {
@@ -414,6 +410,8 @@ BenchArguments completed(BenchArguments arguments) {
     std::vector<std::string_view> scenes;
     for (const BuiltInScene& scene : builtInScenes()) scenes.emplace_back(scene.name);
     arguments.scenes = expanded(arguments.scenes, scenes);
+    arguments.sizes = eachOnce(arguments.sizes);
+    arguments.errors = eachOnce(arguments.errors);
     return arguments;
 }
 
@@ -431,7 +429,6 @@ void execute(Run& run, const BenchArguments& given) {
         const StageTimer timer(run, "scenes");
         return benchScenes(arguments.scenes, arguments.sizes, arguments.output);
     }();
-    refuseOutwardFaces(scenes);
     Bench bench(run, arguments, scenes);
     if (arguments.peers && !hasEmbree()) run.skipped("embree: the library was not there when this was built");
     if (arguments.peers && findView3d().empty()) run.skipped("view3d: no such program on the PATH");

@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "compute/closed_solid.h"
 #include "geometry/input_error.h"
 #include "geometry/mesher.h"
 #include "geometry/model_file.h"
@@ -150,7 +151,11 @@ void addUserScene(const std::filesystem::path& file, std::vector<BenchScene>& sc
         recipeOf(stem) != recipes().end() ||
         std::any_of(scenes.begin(), scenes.end(), [&](const auto& s) { return s.name == stem; });
     scenes.push_back({taken ? file.string() : stem, geometry::readPatches(file)});
-    if (scenes.back().mesh.patchCount() == 0) throw geometry::InputError(file.string(), "", "has no faces");
+    const geometry::PatchMesh& mesh = scenes.back().mesh;
+    if (mesh.patchCount() == 0) throw geometry::InputError(file.string(), "", "has no faces");
+    // Nothing reaches anything there: all kernels, and the reference, would agree on zeros.
+    if (compute::isClosedSolid(mesh) && compute::facesLookOutwards(mesh))
+        throw geometry::InputError(file.string(), "", compute::kFacesLookOutwards);
 }
 
 } // namespace

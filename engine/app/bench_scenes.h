@@ -28,8 +28,8 @@ void checkBenchScenes(const std::vector<std::string>& names);
 std::vector<std::string> sceneFiles(const std::vector<std::string>& names, const std::vector<size_t>& sizes);
 
 // `names`, checked: built-in scenes, each meshed to every one of `sizes` (triangles), or models, whose faces
-// are taken as they are. The meshes are kept as models in `folder`/scenes, so that other programs can
-// be run on them.
+// are taken as they are; InputError where those look out of what they enclose. The meshes are kept as models
+// in `folder`/scenes, so that other programs can be run on them.
 std::vector<BenchScene> benchScenes(const std::vector<std::string>& names, const std::vector<size_t>& sizes,
                                     const std::filesystem::path& folder);
 
