@@ -6,6 +6,7 @@
 #include <system_error>
 
 #include <dlfcn.h>
+#include <fmt/format.h>
 
 #include "geometry/whole_file.h"
 
@@ -17,8 +18,13 @@ namespace {
 std::filesystem::path moduleFile() {
     const auto folder = std::filesystem::read_symlink("/proc/self/exe").parent_path();
     const auto built = folder / HELIODON_PICTURE_CODECS;
-    return std::filesystem::exists(built) ? built
-                                          : folder / HELIODON_INSTALLED_FOLDER / HELIODON_PICTURE_CODECS;
+    if (std::filesystem::exists(built)) return built;
+    const auto installed = folder / HELIODON_INSTALLED_FOLDER / HELIODON_PICTURE_CODECS;
+    if (!std::filesystem::exists(installed))
+        throw std::runtime_error(fmt::format(
+            "{}, which reads and writes pictures, is missing: expected beside the program in {}, or in {}",
+            HELIODON_PICTURE_CODECS, folder.string(), installed.parent_path().lexically_normal().string()));
+    return installed;
 }
 
 const PictureCodecs& load() {

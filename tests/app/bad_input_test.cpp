@@ -33,6 +33,17 @@ TEST_F(BadInput, a_photograph_without_a_rig) {
     expectRefused("model " + kPhoto + " -o " + in("out.obj"), {"i01_mixed.png", "--rig"});
 }
 
+TEST_F(BadInput, a_program_that_was_copied_alone_says_what_it_lacks_and_where) {
+    std::filesystem::copy_file(HELIODON_PROGRAM, folder / "heliodon");
+    const std::string command = "ASAN_OPTIONS=detect_leaks=0:detect_odr_violation=0 " + in("heliodon") +
+                                " detect " + kPhoto + " --rig " + kRig + " -o " + in("out.json") + " >" +
+                                in("said") + " 2>&1";
+    EXPECT_NE(std::system(command.c_str()), 0);
+    EXPECT_NE(readText(in("said")).find("is missing: expected beside the program in " + folder.string()),
+              std::string::npos)
+        << readText(in("said"));
+}
+
 TEST_F(BadInput, a_file_that_is_not_a_picture) {
     writeText(in("text.png"), "not a picture");
     expectRefused("detect " + in("text.png") + " --rig " + kRig + " -o " + in("out.json"), {"text.png"});
