@@ -15,12 +15,12 @@ namespace {
 
 constexpr std::array<int, 5> kLosses{JWRN_HUFF_BAD_CODE, JWRN_ARITH_BAD_CODE, JWRN_HIT_MARKER,
                                      JWRN_MUST_RESYNC, JWRN_JPEG_EOF};
-constexpr int kMostPadding = 16; // bytes, of cameras that fill up to a whole word or block
+constexpr int kMostPadding = 16; // bytes that say nothing, of cameras that fill up to a whole word
 
 struct Listener {
     jpeg_error_mgr callbacks{}; // first: libjpeg knows the address of this alone
     std::jmp_buf giveUp;
-    bool hasLoss = false;
+    bool hasLoss = false, isSurplus = false;
     std::array<char, JMSG_LENGTH_MAX> loss{};
 };
 
@@ -28,19 +28,26 @@ Listener& listenerOf(j_common_ptr codec) {
     return *reinterpret_cast<Listener*>(codec->err);
 }
 
-void keepFirst(j_common_ptr codec) {
+void keepFirst(j_common_ptr codec, bool isSurplus) {
     Listener& listener = listenerOf(codec);
-    if (!listener.hasLoss) codec->err->format_message(codec, listener.loss.data());
-    listener.hasLoss = true;
-}
-
-bool isLoss(const jpeg_error_mgr& said) {
-    if (said.msg_code == JWRN_EXTRANEOUS_DATA) return said.msg_parm.i[0] > kMostPadding;
-    return std::ranges::find(kLosses, said.msg_code) != kLosses.end();
+    if (listener.hasLoss) return;
+    codec->err->format_message(codec, listener.loss.data());
+    listener.hasLoss = true, listener.isSurplus = isSurplus;
 }
 
 void onMessage(j_common_ptr codec, int level) {
-    if (level < 0 && isLoss(*codec->err)) keepFirst(codec);
+    const jpeg_error_mgr& said = *codec->err;
+    const bool isSurplus = said.msg_code == JWRN_EXTRANEOUS_DATA && said.msg_parm.i[0] > kMostPadding;
+    if (level < 0 && (isSurplus || std::ranges::find(kLosses, said.msg_code) != kLosses.end()))
+        keepFirst(codec, isSurplus);
+}
+
+// Of cameras that fill up a whole block, with one value.
+bool endsInPadding(const std::vector<uint8_t>& bytes) {
+    constexpr std::array<uint8_t, 2> kEnd{0xFF, 0xD9};
+    const auto end = std::ranges::find_end(bytes, kEnd).begin();
+    return end - bytes.begin() > kMostPadding &&
+           std::all_of(end - kMostPadding, end, [&](uint8_t byte) { return byte == *(end - 1); });
 }
 
 // Through C's frames, and over no object that has a destructor.
@@ -76,7 +83,7 @@ std::optional<std::string> jpegDamage(const std::vector<uint8_t>& bytes) {
     std::vector<JSAMPLE> line;
     decode(codec, listener, bytes, line);
     jpeg_destroy_decompress(&codec);
-    if (!listener.hasLoss) return std::nullopt;
+    if (!listener.hasLoss || (listener.isSurplus && endsInPadding(bytes))) return std::nullopt;
     return std::string(listener.loss.data());
 }
 

@@ -121,10 +121,12 @@ void OperatorWindow::State::open() {
     // Through ImGui, which would go on with objects that are none. What it has made is on its own list.
     info.CheckVkResultFn = [](VkResult result) { gpu::check(result, "a call of ImGui"); };
     ImGui_ImplVulkan_Init(&info, pass);
+#if IMGUI_VERSION_NUM < 19000 // Debian 12's; later ones bring their fonts themselves
     gpu::Commands commands(d);
     ImGui_ImplVulkan_CreateFontsTexture(commands.handle());
     d.submitAndWait(std::move(commands));
     ImGui_ImplVulkan_DestroyFontUploadObjects();
+#endif
 }
 
 void OperatorWindow::State::release() {

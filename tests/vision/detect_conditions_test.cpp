@@ -1029,8 +1029,11 @@ TEST(Photograph, cut_short_or_grey_is_no_photograph) {
     std::ofstream(file, std::ios::binary) << whole << std::string(100, 'x');
     EXPECT_NO_THROW(readPhotograph(file));
     // Nor what it pads the data with.
-    std::ofstream(file, std::ios::binary) << whole.substr(0, whole.size() - 2) << "pad\xFF\xD9";
-    EXPECT_NO_THROW(readPhotograph(file));
+    for (const std::string& padding : {std::string("pad"), std::string(512, '\0')}) {
+        std::ofstream(file, std::ios::binary)
+            << whole.substr(0, whole.size() - 2) << padding << "\xFF\xD9";
+        EXPECT_NO_THROW(readPhotograph(file));
+    }
     EXPECT_FALSE(hasColor({2, 1, {9, 9, 9, 200, 200, 200}}));
 }
 
