@@ -14,6 +14,8 @@ namespace {
 
 using glm::dvec3;
 
+constexpr double kLooksUp = 0.9; // sine: sills and roofs that slope by up to 25 degrees
+
 struct Pane {
     std::vector<dvec3> corners;
     dvec3 normal; // into the room
@@ -31,9 +33,14 @@ std::vector<Pane> panesOf(const Building& building) {
     return out;
 }
 
-// Whether part of the triangle lies before the pane, and part of the pane before the triangle.
+// Whether part of the triangle lies before the pane, and part of the pane before the triangle; but what looks
+// up from below the pane hides nothing but ground, and is about as bright as that.
 bool mayShade(const std::array<dvec3, 3>& triangle, const Pane& pane, double tolerance) {
     const dvec3 normal = glm::normalize(glm::cross(triangle[1] - triangle[0], triangle[2] - triangle[0]));
+    const auto height = [](dvec3 p) { return p.y; };
+    if (normal.y > kLooksUp && std::ranges::max(triangle, {}, height).y <=
+                                   std::ranges::min(pane.corners, {}, height).y + tolerance)
+        return false;
     return std::ranges::any_of(
                triangle, [&](dvec3 p) { return glm::dot(pane.corners[0] - p, pane.normal) > tolerance; }) &&
            std::ranges::any_of(pane.corners,

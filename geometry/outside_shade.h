@@ -9,8 +9,8 @@
 namespace heliodon::geometry {
 
 // Of `faces` (counter-clockwise seen from the outside air) the triangles that lie before the glass of some
-// window to the outside and look at it. Corners are one within `tolerance` (metres). Cost: faces times
-// windows.
+// window to the outside and look at it, without terraces and sills below, which are about as bright as the
+// ground that they hide. Corners are one within `tolerance` (metres). Cost: faces times windows.
 Occluders outsideShade(std::span<const SoupFace> faces, const Building& building, double tolerance);
 
 } // namespace heliodon::geometry
