@@ -363,8 +363,7 @@ void PointScene::seeSky(const PointView& view, uint32_t room, double angle,
                 samples.push_back({glm::vec3(direction), glm::vec3(weight * glass.transmittance(direction))});
                 weights += weight;
             });
-            // The cells' shares come from cubature, their sum from Lambert's formula.
-            const auto scale = static_cast<float>(weights > 0 ? kPi * factor / weights : 0);
+            const auto scale = static_cast<float>(scaleOfCells(factor, weights));
             for (size_t k = first; k < samples.size(); ++k) {
                 samples[k].weight *= scale;
                 if (half == 1) samples[k].direction.y = std::min(samples[k].direction.y, 0.0f);

@@ -44,6 +44,7 @@ double samePlane(const Blockers& blockers) {
 }
 
 constexpr double kTanPiBy8 = 0.41421356237309503;
+constexpr double kOneDirection = 1e-13; // sine
 
 // atan(z) / z up to z = tan(pi / 8), of z * z: interpolated at Chebyshev's nodes, to double precision.
 double arcOverTangent(double w) {
@@ -184,16 +185,21 @@ PointView PointView::through(const Blockers& blockers, const Polygon& frame, uin
 
 std::optional<PointView::Cone> PointView::coneOf(std::span<const dvec3> corners) const {
     Cone cone;
-    cone.normal = glm::normalize(geometry::areaVector(corners));
+    const dvec3 area = geometry::areaVector(corners);
+    if (area == dvec3(0)) return std::nullopt;
+    cone.normal = glm::normalize(area);
     cone.distance = glm::dot(cone.normal, corners[0]);
     if (std::abs(cone.distance) <= least_) return std::nullopt;
     const double side = cone.distance > 0 ? 1 : -1;
     cone.normal *= side, cone.distance *= side;
     cone.isFront = side < 0;
     cone.beyond = cone.distance + (cone.isFront ? kSameOverLeast * least_ : least_);
-    for (size_t k = 0; k < corners.size(); ++k)
-        cone.sides.push_back(
-            glm::normalize(side * glm::cross(corners[k], corners[(k + 1) % corners.size()])));
+    for (size_t k = 0; k < corners.size(); ++k) {
+        const dvec3 a = corners[k], b = corners[(k + 1) % corners.size()], across = side * glm::cross(a, b);
+        // What cutting left of an edge, in one direction but for rounding, bounds nothing.
+        if (glm::length(across) > kOneDirection * glm::length(a) * glm::length(b))
+            cone.sides.push_back(glm::normalize(across));
+    }
     return cone;
 }
 

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <numbers>
 #include <span>
 
 #include <glm/geometric.hpp>
@@ -75,6 +76,13 @@ void forCells(std::span<const glm::dvec3> polygon, glm::dvec3 normal, double ang
         const ViewCell cell = viewCell(corners, normal);
         if (cell.weight > 0) work(cell.centre, cell.weight);
     });
+}
+
+// By what weights of cells are multiplied to be parts of pi times the form factor of their polygon: about a
+// half, for they come from cubature and the sum from Lambert's formula, which of slivers that cutting leaves
+// is nothing but rounding.
+inline double scaleOfCells(double factor, double weights) {
+    return weights > 0 ? std::min(1.0, std::numbers::pi * factor / weights) : 0;
 }
 
 } // namespace heliodon::compute

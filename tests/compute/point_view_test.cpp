@@ -1,6 +1,7 @@
 #include "compute/point_view.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <utility>
@@ -10,6 +11,7 @@
 #include <glm/geometric.hpp>
 
 #include "compute/sensor_gather.h"
+#include "compute/view_cells.h"
 #include "geometry/mesher.h"
 #include "geometry/model_file.h"
 #include "tests/compute/rooms.h"
@@ -56,7 +58,7 @@ TEST(PointView, open_rectangle_is_howells) {
 // thin the board, from five millionths of the room on.
 TEST(PointView, what_a_thin_board_covers_is_not_seen_besides) {
     const double size = glm::length(dvec3(6, 2, 6)); // of the room
-    for (const auto [gap, thickness] : {std::pair(5e-6, 1e-6), {1e-6, 5e-6}, {1e-3, 1e-3}}) {
+    for (const auto& [gap, thickness] : {std::pair(5e-6, 1e-6), {1e-6, 5e-6}, {1e-3, 1e-3}}) {
         geometry::PatchMesh mesh = test::boxRoom({.low = dvec3(-3, 0, -3), .high = dvec3(3, 2, 3)});
         const double low = gap * size, high = low + thickness * size;
         std::vector<dvec3> top = rectangle(-0.7, 0.7, -0.7, 0.7, high);
@@ -98,6 +100,23 @@ TEST(PointView, a_sheet_takes_its_shadow_and_no_more) {
     std::vector<PointView::Polygon> parts;
     EXPECT_EQ(view.factor(rectangle(-0.4, 0.4, -0.4, 0.4, 2), parts), 0); // wholly behind it
     EXPECT_TRUE(parts.empty());
+}
+
+TEST(ViewCells, of_slivers_have_shares_that_are_numbers) {
+    const dvec3 up(0, 0, 1);
+    const auto weightsOf = [&](double height) {
+        double sum = 0;
+        const std::array<dvec3, 3> corners{dvec3(-1, 0, 1), dvec3(1, 0, 1), dvec3(0, height, 1)};
+        forCells(corners, up, 0.2, [&](dvec3, double weight) { sum += weight; });
+        return sum;
+    };
+    const double sliver = weightsOf(1e-60);
+    EXPECT_GT(sliver, 0);
+    EXPECT_LE(scaleOfCells(1e-17, sliver), 1);
+    EXPECT_EQ(scaleOfCells(1e-17, 0), 0);
+    const PointView view(Blockers(test::boxRoom({})), {0, 0, 0}, up, 0);
+    const double factor = view.unhinderedFactor(std::array{dvec3(-1, 0, 1), dvec3(1, 0, 1), dvec3(0, 1, 1)});
+    EXPECT_NEAR(scaleOfCells(factor, weightsOf(1)), 0.5, 0.01);
 }
 
 TEST(PointView, what_lies_below_the_horizon_is_cut_off) {
