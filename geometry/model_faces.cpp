@@ -134,6 +134,12 @@ ModelFaces flatFaces(const RawModel& model, double extent) {
                                          bend));
         for (SoupFace& piece : inTriangles(face)) out.soup.push_back(std::move(piece));
     }
+    for (const auto& corners : model.outside) {
+        SoupFace face{.loops = {{}}};
+        for (const uint32_t v : corners) face.loops[0].push_back(model.vertices[v]);
+        if (widthOf(face.loops[0]) < kWeldOfExtent * extent) continue;
+        for (SoupFace& piece : inTriangles(face)) out.outside.push_back(std::move(piece));
+    }
     if (little.count > 0) out.repair = little.sentence("");
     if (much.count > 0)
         out.warning = much.sentence(fmt::format(" (the first at {})", model.place(much.first))) +

@@ -15,9 +15,10 @@ namespace heliodon::geometry {
 constexpr double kWeldOfExtent = 2e-6, kPlanarOfExtent = 1e-5;
 
 struct ModelFaces {
-    std::vector<SoupFace> soup;  // SoupFace::surface: the face's number in the file
-    size_t dropped = 0;          // faces without area
-    std::string repair, warning; // of faces bent by little, and by more; empty where there are none
+    std::vector<SoupFace> soup;    // SoupFace::surface: the face's number in the file
+    std::vector<SoupFace> outside; // of kOutsideGroup, flat too
+    size_t dropped = 0;            // faces without area
+    std::string repair, warning;   // of faces bent by little, and by more; empty where there are none
 };
 
 // Bent faces in triangles, both sides of a wall alike. Throws InputError where a face is bent so far that

@@ -117,6 +117,10 @@ PatchMesh readPatches(const std::filesystem::path& file, UpAxis up) {
         mesh.addPatch(model.face(i), model.material[i], Role::projection, 0, 0);
     }
     SurfaceFinder(mesh).find();
+    for (const auto& face : model.outside)
+        for (size_t k = 1; k + 1 < face.size(); ++k)
+            mesh.outside.triangles.insert(mesh.outside.triangles.end(), {face[0], face[k], face[k + 1]});
+    if (!model.outside.empty()) mesh.outside.vertices = mesh.vertices;
     return mesh;
 }
 

@@ -25,8 +25,8 @@ constexpr double kModelNorthDeg = 90; // of files that say nothing of it
 // that model.
 glm::dvec3 worldFromModel(glm::dvec3 p, UpAxis up);
 
-// The faces exactly as in the file, one patch each (planar convex polygons; others are refused by line). No
-// closure is asked for. Throws InputError.
+// The faces exactly as in the file, one patch each (planar convex polygons; others are refused by line), but
+// for what writeModel() wrote of PatchMesh::outside. No closure is asked for. Throws InputError.
 PatchMesh readPatches(const std::filesystem::path& file, UpAxis up = UpAxis::y);
 
 // The model as closed rooms: duplicate vertices welded, T-vertices split, flipped faces turned where that is
@@ -41,8 +41,9 @@ Building importModel(
 // is no text.
 std::vector<std::filesystem::path> materialFiles(const std::filesystem::path& file);
 
-// .obj (+ .mtl beside it) or .glb, by extension; written whole. Groups carry role and room. `northDeg`:
-// direction of north in the plan, degrees counter-clockwise from +x seen from above.
+// .obj (+ .mtl beside it) or .glb, by extension; written whole. Groups carry role and room, or are
+// PatchMesh::outside. `northDeg`: direction of north in the plan, degrees counter-clockwise from +x seen from
+// above.
 void writeModel(const PatchMesh& mesh, const std::filesystem::path& file, double northDeg = kModelNorthDeg);
 
 } // namespace heliodon::geometry

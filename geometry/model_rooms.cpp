@@ -65,6 +65,8 @@ public:
 
 private:
     ModelRooms done() {
+        outer_.insert(outer_.end(), faces_.outside.begin(), faces_.outside.end());
+        building_.outside = outsideShade(outer_, building_, kPlanarOfExtent * extent_);
         building_.northDeg = model_.northDeg.value_or(kModelNorthDeg);
         building_.northIsSaid = model_.northDeg.has_value();
         const auto isUsed = [&](uint32_t material) {
@@ -148,9 +150,9 @@ private:
         building_.repairs.insert(building_.repairs.end(), space->repairs.begin(), space->repairs.end());
         building_.warnings = space->warnings;
         finish();
-        building_.outside = outsideShade(space->outer, building_, kPlanarOfExtent * extent_);
         try {
             proveRooms();
+            outer_ = space->outer;
             return true;
         } catch (const InputError&) { // what was wrong before says more
             std::tie(building_, source_, turnedOver_) = before;
@@ -423,6 +425,7 @@ private:
     const std::set<uint32_t>& made_;
     std::function<bool(uint32_t)> isGlass_ = [this](uint32_t m) { return model_.materials[m].isOpening(); };
     Building building_;
+    std::vector<SoupFace> outer_;          // seen from outside of all rooms alone
     std::vector<uint32_t> source_, shell_; // per face
     uint32_t shellCount_ = 0;
     size_t turnedOver_ = 0; // against the others of their shell

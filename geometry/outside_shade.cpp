@@ -50,8 +50,9 @@ bool mayShade(const std::array<dvec3, 3>& triangle, const Pane& pane, double tol
 } // namespace
 
 Occluders outsideShade(std::span<const SoupFace> faces, const Building& building, double tolerance) {
-    const std::vector<Pane> panes = panesOf(building);
     Occluders out;
+    if (faces.empty()) return out;
+    const std::vector<Pane> panes = panesOf(building);
     if (panes.empty()) return out;
     const Building welded = weldFaces({faces.begin(), faces.end()}, 1, tolerance);
     for (const Face& face : welded.faces)

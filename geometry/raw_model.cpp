@@ -23,6 +23,12 @@ void RawModel::addCorner(uint32_t vertex, glm::vec3 normal) {
 }
 
 void RawModel::endFace(uint32_t itsMaterial, size_t itsNumber, uint32_t itsSmoothing) {
+    if (groups.back() == kOutsideGroup) {
+        outside.emplace_back(corners.begin() + firstCorner.back(), corners.end());
+        corners.resize(firstCorner.back());
+        cornerNormals.resize(std::min(cornerNormals.size(), corners.size()));
+        return;
+    }
     if (itsSmoothing != 0 || !smoothing.empty()) {
         smoothing.resize(faceCount());
         smoothing.push_back(itsSmoothing);
@@ -109,15 +115,18 @@ void checkMaterial(const Material& material, const MaterialFields& fields, const
 namespace {
 
 void checkReach(const RawModel& model) {
-    for (size_t i = 0; i < model.faceCount(); ++i)
-        for (const uint32_t v : model.face(i))
+    const auto check = [&](std::span<const uint32_t> corners, const auto& place) {
+        for (const uint32_t v : corners)
             for (int c = 0; c < 3; ++c)
                 if (!(std::abs(model.vertices[v][c]) <= kFarthest))
                     throw InputError(
-                        model.file, model.place(i),
+                        model.file, place(),
                         fmt::format("a corner of the face has the coordinate {:.3g}, expected -{:g} "
                                     "to {:g} (metres)",
                                     model.vertices[v][c], kFarthest, kFarthest));
+    };
+    for (size_t i = 0; i < model.faceCount(); ++i) check(model.face(i), [&] { return model.place(i); });
+    for (const auto& face : model.outside) check(face, [] { return std::string(kOutsideGroup); });
 }
 
 RawModel readByExtension(const std::filesystem::path& file) {

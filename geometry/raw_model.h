@@ -23,6 +23,9 @@ namespace heliodon::geometry {
 // tells the parts of a room apart.
 constexpr double kFarthest = 1e7;
 
+// Heliodon's own: the group of PatchMesh::outside.
+constexpr const char* kOutsideGroup = "heliodon_outside";
+
 struct RawModel {
     std::string file;
     std::vector<glm::dvec3> vertices; // finite, in the file's own axes
@@ -52,6 +55,8 @@ struct RawModel {
         std::vector<std::pair<uint32_t, uint32_t>> pairs;
     };
     std::optional<Twins> twins;
+    // The faces of kOutsideGroup, by their corners in `vertices`; they are not among the others.
+    std::vector<std::vector<uint32_t>> outside;
     // By material, one sentence each: what the file does not say, and what may have been meant otherwise.
     std::map<uint32_t, std::string> assumed, doubts;
 

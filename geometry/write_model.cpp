@@ -1,5 +1,5 @@
 // Models out: .obj with .mtl beside it, or one .glb. Groups (objects) are named "room0_projection",
-// "room0_fill-in".
+// "room0_fill-in", and what stands outside kOutsideGroup.
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -16,6 +16,7 @@
 #include "geometry/glass_mark.h"
 #include "geometry/input_error.h"
 #include "geometry/model_file.h"
+#include "geometry/raw_model.h"
 #include "geometry/text_file.h"
 #include "geometry/whole_file.h"
 
@@ -36,6 +37,12 @@ std::map<GroupKey, std::vector<size_t>> groups(const PatchMesh& mesh) {
         std::ranges::stable_sort(patches, {},
                                  [&](size_t i) { return std::pair(mesh.material[i], mesh.surface[i]); });
     return out;
+}
+
+// What stands outside is black to heliodon; other programs show it as they show walls.
+uint32_t outsideMaterial(const PatchMesh& mesh) {
+    const auto wall = std::ranges::find_if_not(mesh.materials, &Material::isOpening);
+    return wall == mesh.materials.end() ? 0 : static_cast<uint32_t>(wall - mesh.materials.begin());
 }
 
 struct TwinFaces {
@@ -120,6 +127,20 @@ struct Normals {
     }
 };
 
+std::string outsideText(const PatchMesh& mesh, const std::string& material) {
+    const auto& [points, triangles] = mesh.outside;
+    if (triangles.empty()) return "";
+    std::string text = fmt::format("# before windows, seen from outside; heliodon's own\no {0}\ng {0}\n"
+                                   "usemtl {1}\n",
+                                   kOutsideGroup, material);
+    for (const glm::dvec3& p : points) text += fmt::format("v {} {} {}\n", p.x, p.y, p.z);
+    const size_t first = mesh.vertices.size() + 1;
+    for (size_t t = 0; t < triangles.size(); t += 3)
+        text += fmt::format("f {} {} {}\n", first + triangles[t], first + triangles[t + 1],
+                            first + triangles[t + 2]);
+    return text;
+}
+
 void writeObj(const PatchMesh& mesh, const std::filesystem::path& file, double northDeg) {
     std::filesystem::path library = file;
     library.replace_extension(".mtl");
@@ -152,6 +173,7 @@ void writeObj(const PatchMesh& mesh, const std::filesystem::path& file, double n
             text += "\n";
         }
     }
+    text += outsideText(mesh, names[outsideMaterial(mesh)]);
     if (const auto twins = twinFaces(mesh, 1)) {
         constexpr size_t kOfLine = 16;
         text += fmt::format(
@@ -193,6 +215,7 @@ public:
         addPoints();
         nlohmann::ordered_json nodes = nlohmann::ordered_json::array();
         for (const auto& [key, patches] : groups(mesh_)) addGroup(key, patches, nodes);
+        addOutside(nodes);
         json_["scenes"] = {{{"nodes", nodes}}};
         json_["buffers"] = {{{"byteLength", data_.size()}}};
         std::string text = json_.dump();
@@ -282,6 +305,16 @@ private:
                 directions.push_back(glm::normalize(normals_.different[normals_.ofCorner[c]]));
             }
         }
+        attributes_["POSITION"] = addPlaces(places);
+        if (directions.empty()) return;
+        const size_t begin = data_.size();
+        for (const glm::vec3 n : directions)
+            for (int c = 0; c < 3; ++c) append(data_, n[c]);
+        attributes_["NORMAL"] = addVectors(begin, directions.size());
+    }
+
+    size_t addPlaces(const std::vector<glm::dvec3>& places) {
+        const size_t begin = data_.size();
         glm::vec3 low(1e30f), high(-1e30f);
         for (const glm::dvec3& p : places) {
             const glm::vec3 q(p);
@@ -289,13 +322,9 @@ private:
             high = glm::max(high, q);
             for (int c = 0; c < 3; ++c) append(data_, q[c]);
         }
-        attributes_["POSITION"] = addVectors(0, places.size());
+        const size_t accessor = addVectors(begin, places.size());
         json_["accessors"].back().update({{"min", {low.x, low.y, low.z}}, {"max", {high.x, high.y, high.z}}});
-        if (directions.empty()) return;
-        const size_t begin = data_.size();
-        for (const glm::vec3 n : directions)
-            for (int c = 0; c < 3; ++c) append(data_, n[c]);
-        attributes_["NORMAL"] = addVectors(begin, directions.size());
+        return accessor;
     }
 
     size_t addVectors(size_t begin, size_t count) {
@@ -317,17 +346,38 @@ private:
                 for (uint32_t c = own + 1; c + 1 < next; ++c)
                     for (const uint32_t corner : {own, c, c + 1}) append(data_, points_[corner]);
             }
-            json_["accessors"].push_back({{"bufferView", addView(begin, 34963)},
-                                          {"componentType", 5125},
-                                          {"count", (data_.size() - begin) / 4},
-                                          {"type", "SCALAR"}});
-            primitives.push_back({{"attributes", attributes_},
-                                  {"indices", json_["accessors"].size() - 1},
-                                  {"material", material}});
+            primitives.push_back(primitive(attributes_, begin, material));
         }
-        json_["meshes"].push_back({{"name", groupName(key)}, {"primitives", primitives}});
+        addNode(groupName(key), primitives, nodes);
+    }
+
+    void addOutside(nlohmann::ordered_json& nodes) {
+        if (mesh_.outside.triangles.empty()) return;
+        nlohmann::ordered_json attributes;
+        attributes["POSITION"] = addPlaces(mesh_.outside.vertices);
+        const size_t begin = data_.size();
+        for (const uint32_t corner : mesh_.outside.triangles) append(data_, corner);
+        nlohmann::ordered_json primitives = nlohmann::ordered_json::array();
+        primitives.push_back(primitive(attributes, begin, outsideMaterial(mesh_)));
+        addNode(kOutsideGroup, primitives, nodes);
+    }
+
+    // Of the indices that `data_` ends with.
+    nlohmann::ordered_json primitive(const nlohmann::ordered_json& attributes, size_t begin,
+                                     uint32_t material) {
+        json_["accessors"].push_back({{"bufferView", addView(begin, 34963)},
+                                      {"componentType", 5125},
+                                      {"count", (data_.size() - begin) / 4},
+                                      {"type", "SCALAR"}});
+        return {
+            {"attributes", attributes}, {"indices", json_["accessors"].size() - 1}, {"material", material}};
+    }
+
+    void addNode(const std::string& name, const nlohmann::ordered_json& primitives,
+                 nlohmann::ordered_json& nodes) {
+        json_["meshes"].push_back({{"name", name}, {"primitives", primitives}});
         const size_t meshIndex = json_["meshes"].size() - 1;
-        json_["nodes"].push_back({{"name", groupName(key)}, {"mesh", meshIndex}});
+        json_["nodes"].push_back({{"name", name}, {"mesh", meshIndex}});
         nodes.push_back(json_["nodes"].size() - 1);
     }
 

@@ -14,8 +14,6 @@ void execute(Run& run, const ModelArguments& arguments) {
         throw geometry::InputError(arguments.output.string(), "", "a model is written as .obj or .glb");
     const Scene scene = loadScene(run, arguments.scene);
     const StageTimer timer(run, "write");
-    if (!scene.mesh.outside.triangles.empty())
-        run.warn("what stands outside of windows and shades them is not written");
     geometry::writeModel(scene.mesh, arguments.output, scene.northDeg);
     const nlohmann::json& report = run.report();
     double floor = 0;

@@ -7,6 +7,8 @@
 #include <gtest/gtest.h>
 
 #include "compute/daylight_transport.h"
+#include "geometry/mesher.h"
+#include "geometry/model_file.h"
 #include "tests/compute/path_tracer.h"
 #include "tests/compute/rooms.h"
 #include "tests/compute/skies.h"
@@ -120,6 +122,31 @@ TEST(OtherRooms, what_stands_outside_shades_windows) {
             // Patches of the wall are glass in one: it reflects less.
             EXPECT_NEAR(photometric(shade.sensors[k].sky), photometric(narrow.sensors[k].sky), 2e-3 * lux);
             EXPECT_NEAR(photometric(shade.sensors[k].sun), photometric(narrow.sensors[k].sun), 1e-3 * lux);
+        }
+    }
+}
+
+// A written model gives the light of the given one: the board hides half of its window, too.
+TEST(OtherRooms, what_stands_outside_shades_windows_of_written_models) {
+    test::BoxRoom box{.cells = {8, 6, 10}};
+    box.isGlass = [](dvec3 p) { return p.z < 1e-9 && p.x > 1 && p.x < 3 && p.y > 1 && p.y < 2; };
+    geometry::PatchMesh given = test::boxRoom(box);
+    given.outside.vertices = {{2, 0, -1e-2}, {2, 3, -1e-2}, {4, 3, -1e-2}, {4, 0, -1e-2}};
+    given.outside.triangles = {0, 2, 1, 0, 3, 2};
+    const std::vector<Sensor> sensors{{{2, 0.8, 1}, {0, 1, 0}}, {{2.9, 1.1, 2}, {0, 0, -1}}};
+    DaylightTransport transport(test::device(), given);
+    transport.setSensors(sensors);
+    const Moment wanted = transport.light(test::overcast());
+    for (const char* name : {"shaded.obj", "shaded.glb"}) {
+        const std::string file = testing::TempDir() + name;
+        geometry::writeModel(given, file);
+        DaylightTransport again(test::device(), geometry::meshBuilding(geometry::importModel(file), {300}));
+        again.setSensors(sensors);
+        const Moment found = again.light(test::overcast());
+        for (size_t k = 0; k < sensors.size(); ++k) {
+            const double lux = photometric(wanted.sensors[k].total());
+            EXPECT_NEAR(photometric(found.sensors[k].sky), photometric(wanted.sensors[k].sky), 2e-3 * lux);
+            EXPECT_NEAR(photometric(found.sensors[k].total()), lux, 0.02 * lux); // other patches
         }
     }
 }

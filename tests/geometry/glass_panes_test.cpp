@@ -186,23 +186,48 @@ TEST(GlassPanes, in_walls_larger_than_the_room) {
             }
 }
 
+// By area, on both sides of an axis.
+glm::dvec3 sidesOf(const Occluders& outside) {
+    glm::dvec3 towards(0);
+    for (size_t t = 0; t < outside.triangles.size(); t += 3) {
+        const glm::dvec3 a = outside.vertices[outside.triangles[t]];
+        towards += 0.5 * glm::abs(glm::cross(outside.vertices[outside.triangles[t + 1]] - a,
+                                             outside.vertices[outside.triangles[t + 2]] - a));
+    }
+    return towards;
+}
+
 // Before glass in the middle of the wall its sides may shade it; the front of the wall cannot.
 TEST(GlassPanes, what_stands_before_them_outside_is_kept) {
     for (const double pane : {0.5, 1.0}) {
         Drawing drawing;
         drawThickWalls(drawing, 0.4);
         drawing.face("glass", hole(-0.4 * pane));
-        const Occluders outside = drawing.read().outside;
-        glm::dvec3 towards(0); // by area, on both sides of an axis
-        for (size_t t = 0; t < outside.triangles.size(); t += 3) {
-            const glm::dvec3 a = outside.vertices[outside.triangles[t]];
-            towards += 0.5 * glm::abs(glm::cross(outside.vertices[outside.triangles[t + 1]] - a,
-                                                 outside.vertices[outside.triangles[t + 2]] - a));
-        }
+        const glm::dvec3 towards = sidesOf(drawing.read().outside);
         const double depth = 0.4 * (1 - pane);
         EXPECT_NEAR(towards.x, 2 * 1.2 * depth, 1e-6);
         EXPECT_NEAR(towards.y, 2.0 * depth, 1e-6); // without the sill, which is ground
         EXPECT_NEAR(towards.z, 0, 1e-6);
+    }
+}
+
+TEST(GlassPanes, what_stands_before_them_is_written_and_read) {
+    Drawing drawing;
+    drawThickWalls(drawing, 0.4);
+    drawing.face("glass", hole(0));
+    const PatchMesh given = meshBuilding(drawing.read(), {300});
+    const glm::dvec3 sides = sidesOf(given.outside);
+    ASSERT_GT(sides.x, 0.9);
+    for (const char* name : {"outside.obj", "outside.glb"}) {
+        const std::string file = testing::TempDir() + name;
+        writeModel(given, file);
+        const Building again = importModel(file);
+        EXPECT_EQ(again.roomCount, 1u);
+        EXPECT_TRUE(again.repairs.empty() && again.warnings.empty()) << name;
+        EXPECT_NEAR(glm::length(sidesOf(again.outside) - sides), 0, 1e-6) << name; // single precision
+        const PatchMesh patches = readPatches(file);
+        EXPECT_EQ(patches.patchCount(), given.patchCount());
+        EXPECT_NEAR(glm::length(sidesOf(patches.outside) - sides), 0, 1e-6) << name;
     }
 }
 

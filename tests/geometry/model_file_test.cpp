@@ -76,6 +76,19 @@ TEST_F(ModelFile, coplanar_neighbours_of_one_material_are_one_surface) {
     EXPECT_EQ(two.surface[0], two.surface[1]);
 }
 
+TEST_F(ModelFile, what_stands_outside_is_no_patch) {
+    const std::string outside = "g heliodon_outside\n";
+    const PatchMesh mesh =
+        readPatches(write("m.obj", kSquare + outside + "f 1 2 3 4\ng wall\nf 1 2 3\n"), UpAxis::z);
+    EXPECT_EQ(mesh.patchCount(), 1u);
+    EXPECT_EQ(mesh.outside.triangles, (std::vector<uint32_t>{0, 1, 2, 0, 2, 3}));
+    EXPECT_EQ(mesh.outside.vertices, mesh.vertices);
+    EXPECT_EQ(refusal(kSquare + outside + "f 1 2 3 4\n"),
+              "m.obj: holds no faces, expected lines such as f 1 2 3");
+    EXPECT_EQ(refusal(kSquare + "v 1e200 0 0\nf 1 2 3\n" + outside + "f 1 2 5\n").substr(0, 24),
+              "m.obj:heliodon_outside: ");
+}
+
 TEST_F(ModelFile, z_up_is_turned_so_that_up_is_y) {
     const PatchMesh mesh = readPatches(write("m.obj", kSquare + "f 1 2 3 4\n"), UpAxis::z);
     const glm::dvec3 normal = patchNormal(mesh, 0);
