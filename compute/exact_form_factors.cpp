@@ -80,10 +80,13 @@ public:
         for (const ExactTileRange& a : scene_.tiles) {
             findSides(a, sidesA_);
             for (const ExactTileRange* b = &a; b < scene_.tiles.data() + scene_.tiles.size(); ++b) {
+                const double ofThese = (b == &a ? 0.5 : 1.0) * a.pieces * b->pieces;
+                tiles_.begin(ofThese / all);
                 if (b != &a) findSides(*b, sidesB_);
                 runTile(a, *b);
                 done(a, *b);
-                pairs += (b == &a ? 0.5 : 1.0) * a.pieces * b->pieces;
+                tellOfLongWork(0);
+                pairs += ofThese;
                 if (options_.progress) options_.progress(pairs / all);
             }
         }
@@ -347,7 +350,9 @@ private:
         const auto once = [&](uint32_t first, uint32_t count, uint32_t next, uint32_t depth) {
             const uint32_t made = refineOnce(kernel, records, first, count, next, depth);
             forecast.step(depth, count, made);
-            tellOfLongWork(forecast);
+            // A few small steps, most of them waiting for the device, say little.
+            const bool known = forecast.secondsTimed() > options_.longFrom / 20;
+            tellOfLongWork(known ? forecast.secondsLeft() : 0);
             return made;
         };
         std::vector<Level> levels{{0, once(firstPair, pairs, 0, 0)}};
@@ -370,11 +375,10 @@ private:
         }
     }
 
-    void tellOfLongWork(const RefinementForecast& forecast) {
-        // A few small steps, most of them waiting for the device, say little.
-        const bool known = forecast.secondsTimed() > options_.longFrom / 20;
-        const double left = forecast.secondsLeft(), all = forecast.secondsTimed() + left;
-        if (!options_.longWork || !known || left <= options_.longFrom || all < 2 * longestTold_) return;
+    // `ofThese`: seconds left of the pair of tiles at work, as far as is known.
+    void tellOfLongWork(double ofThese) {
+        const double left = tiles_.secondsLeft(ofThese), all = watch_.seconds() + left;
+        if (!options_.longWork || left <= options_.longFrom || all < 2 * longestTold_) return;
         longestTold_ = all;
         options_.longWork(left);
     }
@@ -446,7 +450,9 @@ private:
     gpu::Buffer there_, back_; // the tile and its mirror image
     gpu::Counters counters_;
     gpu::Buffer sidesA_, sidesB_, blocks_, masks_, records_, fewRecords_, lists_, sums_, cells_[2];
-    double longestTold_ = 0; // seconds, of a pair of tiles in all
+    Stopwatch watch_;
+    PartsForecast tiles_;
+    double longestTold_ = 0; // seconds, in all
     std::vector<double> rowSquares_;
     std::vector<float> entrySquares_; // n x n: of entries' errors
 };

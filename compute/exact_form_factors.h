@@ -25,9 +25,9 @@ struct ExactOptions {
     // 2 kB a blocker, is needed: throws std::runtime_error.
     uint64_t workBytes = 256u << 20;
     std::function<void(double share)> progress; // after each pair of tiles: of all pairs of patches
-    // Told when refinement between two tiles is expected to go on for more than `longFrom` seconds
-    // (refinement_forecast.h), and again when it is expected to take twice as long as was told in all: few
-    // large patches behind crowds, at errors of 1e-5, take minutes.
+    // Told when more than `longFrom` seconds are expected to go on (refinement_forecast.h), and again when all
+    // is expected to take twice as long as was told: few large patches behind crowds, at errors of 1e-5, and
+    // thousands of patches between hundreds of boards take minutes.
     std::function<void(double secondsLeft)> longWork;
     double longFrom = 20;
 };

@@ -145,10 +145,17 @@ HierarchicalFormFactors links(gpu::Device& device, const geometry::PatchMesh& me
 
 using TakeTile = std::function<void(const FormFactorTile&)>;
 
-FormFactorReport exactTiles(gpu::Device& device, const geometry::PatchMesh& mesh, double maxError,
-                            const TakeTile& take) {
+ExactOptions exactOptions(const FormFactorOptions& options, double maxError) {
     ExactOptions exact;
     if (maxError > 0) exact.maxError = maxError;
+    exact.progress = options.progress;
+    exact.longWork = options.longWork;
+    exact.longFrom = options.longFrom;
+    return exact;
+}
+
+FormFactorReport exactTiles(gpu::Device& device, const geometry::PatchMesh& mesh, const ExactOptions& exact,
+                            const TakeTile& take) {
     const auto takeTile = [&](const ExactTile& t) {
         take({t.firstRow, t.rows, t.firstColumn, t.columns, {t.values, size_t{t.rows} * t.columns}});
     };
@@ -248,13 +255,8 @@ FormFactors hierarchicalFormFactors(gpu::Device& device, const geometry::PatchMe
 
 FormFactors factorsOf(gpu::Device& device, const geometry::PatchMesh& mesh, const FormFactorOptions& options,
                       const KernelChoice& choice) {
-    if (choice.kernel == "exact") {
-        ExactOptions exact;
-        if (choice.maxError > 0) exact.maxError = choice.maxError;
-        exact.progress = options.progress;
-        exact.longWork = options.longWork;
-        return exactFormFactors(device, mesh, exact).factors;
-    }
+    if (choice.kernel == "exact")
+        return exactFormFactors(device, mesh, exactOptions(options, choice.maxError)).factors;
     if (choice.kernel == "hemicube") return hemicubeFormFactors(device, mesh, options, choice.maxError);
     if (choice.kernel == "hierarchical")
         return hierarchicalFormFactors(device, mesh, choice.ofLinks * choice.maxError,
@@ -294,7 +296,7 @@ FormFactors factorsOfAuto(gpu::Device& device, const geometry::PatchMesh& mesh,
 
 FormFactorReport tilesOf(gpu::Device& device, const geometry::PatchMesh& mesh,
                          const FormFactorOptions& options, const KernelChoice& choice, const TakeTile& take) {
-    if (choice.kernel == "exact") return exactTiles(device, mesh, choice.maxError, take);
+    if (choice.kernel == "exact") return exactTiles(device, mesh, exactOptions(options, choice.maxError), take);
     if (choice.kernel == "hierarchical") {
         const HierarchicalFormFactors factors = links(device, mesh, choice.ofLinks * choice.maxError);
         takeRows(factors, take);

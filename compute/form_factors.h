@@ -39,9 +39,9 @@ struct FormFactorOptions {
     bool forLight = false;
     // Told how much of the work is done, by `exact` at more than about 2300 patches.
     std::function<void(double share)> progress;
-    // Told by `exact`, of whole matrices, where it expects to take more than 20 seconds more:
-    // ExactOptions::longWork.
+    // Told by `exact` where it expects to take more than `longFrom` seconds more: ExactOptions::longWork.
     std::function<void(double secondsLeft)> longWork;
+    double longFrom = 20;
 };
 
 // Rows of closed rooms whose sums are off by more are worth a warning.

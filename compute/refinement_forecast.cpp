@@ -32,4 +32,18 @@ double RefinementForecast::workLeft() const {
     return left / timed_;
 }
 
+void PartsForecast::begin(double share) {
+    if (begun_ == 0)
+        first_ = share;
+    else if (!watch_)
+        watch_.emplace();
+    begun_ += share;
+}
+
+double PartsForecast::secondsLeft(double ofThisPart) const {
+    if (!watch_) return ofThisPart;
+    const double spent = watch_->seconds();
+    return (spent + ofThisPart) * (1 - first_) / (begun_ - first_) - spent;
+}
+
 } // namespace heliodon::compute

@@ -1,5 +1,6 @@
-// How long refinement by levels will go on: cells that wait at each depth become as many as others of that
-// depth have become so far. Low at first, where depths that nothing has reached yet split further.
+// How long work will go on. Of refinement by levels: cells that wait at each depth become as many as others
+// of that depth have become so far; low at first, where depths that nothing has reached yet split further. Of
+// parts: those to come cost as much for their share as those before.
 #pragma once
 
 #include <cstdint>
@@ -31,6 +32,19 @@ private:
     std::vector<Depth> depths_;
     std::optional<Stopwatch> watch_; // from the end of the first step
     double timed_ = 0;               // cells done since
+};
+
+class PartsForecast {
+public:
+    // The next part, `share` of all work.
+    void begin(double share);
+
+    // From the second part on, since the first may have made kernels; before, `ofThisPart` itself.
+    double secondsLeft(double ofThisPart) const;
+
+private:
+    double first_ = 0, begun_ = 0;   // shares: of the first part, of all that have begun
+    std::optional<Stopwatch> watch_; // from the beginning of the second
 };
 
 } // namespace heliodon::compute

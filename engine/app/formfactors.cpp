@@ -88,15 +88,6 @@ void noteClaim(Run& run, const compute::FormFactorReport& report, double asked) 
                         report.claimedRowError, report.kernel, asked));
 }
 
-// Measured behind crowds: ten times the error takes a fifth to a sixteenth of the time.
-void noteLongWork(Run& run, double secondsLeft) {
-    const bool minutes = secondsLeft > 90;
-    run.note(fmt::format(
-        "form factors: large patches see one another past many blockers: at least {:.0f} {} more; "
-        "ten times the --max-error would take a fifth of it or less",
-        minutes ? secondsLeft / 60 : secondsLeft, minutes ? "minutes" : "s"));
-}
-
 // Straight to the file, tile by tile.
 compute::FormFactorReport stream(Run& run, const geometry::PatchMesh& mesh,
                                  const compute::FormFactorOptions& options, NpyWriter& out) {
@@ -140,6 +131,8 @@ void execute(Run& run, const FormFactorArguments& arguments) {
     warnOfIdle(run, arguments);
     options.maxError = arguments.maxError;
     options.maxRadiosityError = arguments.maxRadiosityError;
+    // Measured behind crowds: ten times the error takes a fifth to a sixteenth of the time.
+    options.longWork = noteOfLongWork(run, "ten times the --max-error would take a fifth of it or less");
     const size_t n = mesh.patchCount();
     if (n > kLargestDense && !arguments.reference.empty())
         throw geometry::InputError("--reference", "",
@@ -159,7 +152,6 @@ void execute(Run& run, const FormFactorArguments& arguments) {
             options.progress = [&](double share) {
                 progress.advance(static_cast<size_t>(share * static_cast<double>(n)), share);
             };
-            options.longWork = [&](double left) { noteLongWork(run, left); };
             return compute::computeFormFactors(device, mesh, options);
         }();
         const gpu::HostView<float> view(factors.values, n * n);

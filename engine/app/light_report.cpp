@@ -93,6 +93,15 @@ void reportFormFactors(Run& run, size_t patches, const compute::FormFactorReport
     for (const std::string& warning : report.warnings) run.warn(warning);
 }
 
+std::function<void(double)> noteOfLongWork(Run& run, const std::string& remedy) {
+    return [&run, remedy](double secondsLeft) {
+        const bool minutes = secondsLeft > 90;
+        run.note(fmt::format("form factors: patches see one another past many blockers: at least {:.0f} {} "
+                             "more; {}",
+                             minutes ? secondsLeft / 60 : secondsLeft, minutes ? "minutes" : "s", remedy));
+    };
+}
+
 std::unique_ptr<compute::DaylightTransport> makeTransport(Run& run, const geometry::PatchMesh& mesh,
                                                           const compute::TransportOptions& options) {
     gpu::Device& device = run.device();
@@ -106,7 +115,11 @@ std::unique_ptr<compute::DaylightTransport> makeTransport(Run& run, gpu::Device&
     std::unique_ptr<compute::DaylightTransport> transport;
     {
         const StageTimer timer(run, "formfactors");
-        transport = std::make_unique<compute::DaylightTransport>(device, mesh, options);
+        compute::TransportOptions told = options;
+        if (!told.formFactors.longWork)
+            told.formFactors.longWork =
+                noteOfLongWork(run, "fewer faces in the model, or a smaller --triangles, would take less");
+        transport = std::make_unique<compute::DaylightTransport>(device, mesh, told);
     }
     const compute::TransportReport& t = transport->report();
     reportFormFactors(run, mesh.patchCount(), t.formFactors);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <memory>
 #include <span>
@@ -21,7 +22,11 @@ struct SensorTable;
 // What a form-factor kernel measured, as `form_factors` of the report, and what it skipped.
 void reportFormFactors(Run& run, size_t patches, const compute::FormFactorReport& report);
 
-// Form factors with the sky coefficients of a mesh; fills `stages.formfactors` and `form_factors`.
+// A note, with what would take less, as FormFactorOptions::longWork.
+std::function<void(double secondsLeft)> noteOfLongWork(Run& run, const std::string& remedy);
+
+// Form factors with the sky coefficients of a mesh; fills `stages.formfactors` and `form_factors`. Notes long
+// work where the options tell nobody of it.
 std::unique_ptr<compute::DaylightTransport> makeTransport(Run& run, const geometry::PatchMesh& mesh,
                                                           const compute::TransportOptions& options = {});
 // On another device than the run's.

@@ -4,6 +4,8 @@
 #include <future>
 #include <map>
 
+#include <fmt/format.h>
+
 #include "compute/gpu/error.h"
 #include "engine/app/interrupt.h"
 #include "engine/app/light_report.h"
@@ -159,7 +161,11 @@ std::unique_ptr<SlottedTransport> LiveSceneMaker::transportOf(Run& run, const ge
     if (!slot) return nullptr;
     auto transport = std::make_unique<SlottedTransport>(slots_, *slot);
     try {
-        transport->transport = makeTransport(run, transport->device(), mesh, {.forPictures = true});
+        compute::TransportOptions options{.forPictures = true};
+        options.formFactors.longWork = [this](double secondsLeft) {
+            sayDoing(fmt::format("form factors, at least {:.0f} s more", secondsLeft));
+        };
+        transport->transport = makeTransport(run, transport->device(), mesh, options);
     } catch (const gpu::Error&) {
         transport->spoil();
         throw;

@@ -162,6 +162,14 @@ TEST(ExactCrowds, what_refinement_has_left_follows_from_what_cells_have_become) 
     EXPECT_DOUBLE_EQ(forecast.workLeft(), 4500.0 / 400);
 }
 
+TEST(ExactCrowds, parts_to_come_are_expected_to_take_as_long_as_those_before) {
+    PartsForecast forecast;
+    forecast.begin(0.2);
+    EXPECT_EQ(forecast.secondsLeft(10), 10) << "the first may have made kernels";
+    forecast.begin(0.1);
+    EXPECT_GE(forecast.secondsLeft(10), 80) << "0.8 of all, of which this is 0.1";
+}
+
 TEST(ExactCrowds, long_work_is_told_of) {
     std::vector<double> told; // seconds
     ExactOptions options{.maxError = 1e-4};
@@ -172,6 +180,16 @@ TEST(ExactCrowds, long_work_is_told_of) {
     EXPECT_EQ(matrixOf(crowd(20), options), quietly);
     ASSERT_FALSE(told.empty());
     EXPECT_GT(told[0], 0);
+}
+
+TEST(ExactCrowds, long_work_is_told_of_by_streams_too) {
+    size_t told = 0, tiles = 0;
+    FormFactorOptions options{.kernel = "exact", .maxError = 1e-4};
+    options.longWork = [&](double) { ++told; };
+    options.longFrom = 0;
+    streamFormFactors(test::device(), crowd(20), options, [&](const FormFactorTile&) { ++tiles; });
+    EXPECT_GT(told, 0u);
+    EXPECT_EQ(tiles, 1u);
 }
 
 // A hall of hanging posts: closed, so every row sums to one.
