@@ -1,6 +1,8 @@
 // How long work will go on. Of refinement by levels: cells that wait at each depth become as many as others
-// of that depth have become so far; low at first, where depths that nothing has reached yet split further. Of
-// parts: those to come cost as much for their share as those before.
+// of that depth have become so far. Low at first, where depths that nothing has reached yet split further: in
+// the first tenth of the time it comes to 0.3 to 0.6 of all, later to 0.6 to 1.6 (five runs of 3 to 125 s
+// among boards, beams and loose triangles, at 1e-4 to 1e-3). Of parts: those to come cost as much for their
+// share as those before.
 #pragma once
 
 #include <cstdint>

@@ -96,7 +96,7 @@ void reportFormFactors(Run& run, size_t patches, const compute::FormFactorReport
 std::function<void(double)> noteOfLongWork(Run& run, const std::string& remedy) {
     return [&run, remedy](double secondsLeft) {
         const bool minutes = secondsLeft > 90;
-        run.note(fmt::format("form factors: patches see one another past many blockers: at least {:.0f} {} "
+        run.note(fmt::format("form factors: patches see one another past many blockers: about {:.0f} {} "
                              "more; {}",
                              minutes ? secondsLeft / 60 : secondsLeft, minutes ? "minutes" : "s", remedy));
     };

@@ -163,7 +163,7 @@ std::unique_ptr<SlottedTransport> LiveSceneMaker::transportOf(Run& run, const ge
     try {
         compute::TransportOptions options{.forPictures = true};
         options.formFactors.longWork = [this](double secondsLeft) {
-            sayDoing(fmt::format("form factors, at least {:.0f} s more", secondsLeft));
+            sayDoing(fmt::format("form factors, about {:.0f} s more", secondsLeft));
         };
         transport->transport = makeTransport(run, transport->device(), mesh, options);
     } catch (const gpu::Error&) {
