@@ -16,4 +16,11 @@ inline std::string countedWere(size_t count, const std::string& what) {
     return counted(count, what) + (count == 1 ? " was" : " were");
 }
 
+// A warning: of what stands outside.
+inline std::string solidsOutside(size_t count) {
+    return counted(count, "solid") +
+           (count == 1 ? " stands outside of all rooms: it was not taken as one"
+                       : " stand outside of all rooms: none was taken as one");
+}
+
 } // namespace heliodon::geometry

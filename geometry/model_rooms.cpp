@@ -57,6 +57,7 @@ public:
             then(&RoomMaker::splitSharedCorners);
             then(&RoomMaker::finish);
             then(&RoomMaker::prove);
+            then(&RoomMaker::dropBodies);
         } catch (const InputError&) {
             if (tried || !shareWalls()) throw;
         }
@@ -336,7 +337,10 @@ private:
                 shells[shell_[f]].push_back(
                     {building_.vertices[t[0]], building_.vertices[t[1]], building_.vertices[t[2]]});
         }
-        const ShellNesting nesting = geometry::nestShells(shells);
+        std::vector<bool> hasGlass(shellCount_, false);
+        for (uint32_t f = 0; f < building_.faces.size(); ++f)
+            if (isOpening(source_[f])) hasGlass[shell_[f]] = true;
+        const ShellNesting nesting = geometry::nestShells(shells, hasGlass);
         for (uint32_t f = 0; f < building_.faces.size(); ++f) {
             if (nesting.inverted[shell_[f]]) turnOver(building_.faces[f]);
             building_.faces[f].room = nesting.room[shell_[f]];
@@ -347,7 +351,27 @@ private:
                             countedWere(nesting.solidsThatLookIn, "closed shell"),
                             nesting.solidsThatLookIn == 1 ? "it" : "them"));
         dropOutsides();
-        building_.roomCount = nesting.rooms;
+        building_.roomCount = nesting.rooms + nesting.bodies;
+        bodies_ = nesting.bodies;
+    }
+
+    // Once they are proven not to cross rooms.
+    void dropBodies() {
+        if (bodies_ == 0) return;
+        building_.warnings.push_back(solidsOutside(bodies_));
+        building_.roomCount -= bodies_;
+        std::vector<bool> gone;
+        for (const Face& face : building_.faces) {
+            gone.push_back(face.room >= building_.roomCount);
+            if (!gone.back()) continue;
+            SoupFace& outer = outer_.emplace_back();
+            for (const auto& loop : face.loops) {
+                auto& corners = outer.loops.emplace_back();
+                for (const uint32_t v : loop) corners.push_back(building_.vertices[v]);
+                std::ranges::reverse(corners); // it looks into the body
+            }
+        }
+        leaveOut(gone);
     }
 
     void dropOutsides() {
@@ -426,6 +450,7 @@ private:
     std::function<bool(uint32_t)> isGlass_ = [this](uint32_t m) { return model_.materials[m].isOpening(); };
     Building building_;
     std::vector<SoupFace> outer_;          // seen from outside of all rooms alone
+    uint32_t bodies_ = 0;                  // that stand outside, numbered as the last rooms
     std::vector<uint32_t> source_, shell_; // per face
     uint32_t shellCount_ = 0;
     size_t turnedOver_ = 0; // against the others of their shell

@@ -8,6 +8,7 @@
 #include <glm/geometric.hpp>
 
 #include "geometry/bounds.h"
+#include "geometry/counted.h"
 
 namespace heliodon::geometry {
 
@@ -60,6 +61,11 @@ private:
         if (!stand.within) return false;
         if (!stand.touchesWall) return thin || !agreed; // a column, a block on the floor
         return thin && stand.drawnThere && !agreed;
+    }
+
+    // However large, as in nestShells(): a neighbour, the ground.
+    static bool isBodyOutside(const SpacePart& part, const SpacePart& largest) {
+        return contrary(part, largest) && part.glass == 0 && largest.window > 0;
     }
 
     Stand standOf(uint32_t id) const {
@@ -125,6 +131,7 @@ private:
         for (uint32_t f = 0; f < space_.welded.faces.size(); ++f)
             for (uint32_t s = 0; s < 2; ++s)
                 if (out_.room.contains(space_.partAt(f, 1 - s))) inRooms.insert(space_.partAt(f, s));
+        solidsOutside_ = bodies_;
         for (const auto& [id, volume] : found_) {
             if (!inRooms.contains(id)) {
                 ++solidsOutside_;
@@ -229,9 +236,14 @@ private:
         }
     }
 
-    // What stands on a solid is one after that was found.
+    // What stands on a solid is one after that was found. Compared with the largest room, of those with windows
+    // where there are any: the ground below a house may be larger.
     template<class Nested> void findSolids(Nested nested) {
-        const auto air = [&](const auto& p) { return solid_.contains(p.first) ? 0 : p.second.volume; };
+        const bool windows = std::ranges::any_of(
+            space_.parts, [&](const auto& p) { return isAir(p.first) && p.second.window > 0; });
+        const auto air = [&](const auto& p) {
+            return isAir(p.first) && (!windows || p.second.window > 0) ? p.second.volume : 0;
+        };
         const auto& [first, largest] = *std::ranges::max_element(space_.parts, {}, air);
         const Bounds room = largest.box();
         const double height = room.high.y - room.low.y;
@@ -250,6 +262,10 @@ private:
                         continue;
                     }
                     found_[id] = part.volume / largest.volume;
+                } else if (isBodyOutside(part, largest)) {
+                    changed = true;
+                    solid_.insert(id);
+                    ++bodies_;
                 } else {
                     contrary_ += contrary(part, largest);
                     insides_ += stand.within && !stand.touchesWall;
@@ -275,11 +291,7 @@ private:
                             oneOrMany(solids_, "solid was cut out of the room where it stands, of",
                                       "solids were cut out of the room where they stand, the largest of"),
                             100 * largestSolid_));
-        if (solidsOutside_ > 0)
-            out.push_back(oneOrMany(
-                solidsOutside_,
-                "solid touches no room, as what stands outside a window: it was not taken as a room",
-                "solids touch no room, as what stands outside a window: they were not taken as rooms"));
+        if (solidsOutside_ > 0) out.push_back(solidsOutside(solidsOutside_));
         if (insides_ > 0)
             out.push_back(oneOrMany(
                 insides_, "space within a room was taken as a room of its own: its faces look into it",
@@ -299,7 +311,8 @@ private:
     std::set<uint32_t> solid_;
     std::map<uint32_t, double>
         found_; // solids that stand against walls or floors: of the largest part's volume
-    size_t solids_ = 0, solidsOutside_ = 0; // of these
+    size_t bodies_ = 0;                     // solids that stand outside
+    size_t solids_ = 0, solidsOutside_ = 0; // of the former and these
     double largestSolid_ = 0;
     size_t outsides_ = 0;               // of walls with a thickness
     size_t contrary_ = 0, insides_ = 0; // rooms whose faces look out, or that stand in others

@@ -35,7 +35,8 @@ struct SharedWalls {
 // chose between materials is a repair.
 // Solid is what was drawn into a room without regard to it (its floor or walls run on behind it) and stands
 // clear of its walls, unless it is not thin and its faces look into it as those of the room do; what is small
-// or thin and has faces that look out of it into such a room; a closed shell that touches nothing; and
+// or thin and has faces that look out of it into such a room; a closed shell that touches nothing; what has
+// no glass and looks out, where the largest room with windows looks in, as a neighbour or the ground does; and
 // the inside of walls, however thick, round rooms whose windows lead through them to the outside; but
 // nothing that glass (`isGlass` of a material) parts from one room and no other, or from two others unless it
 // is the inside of a wall. Each such guess is a warning, and so is a room whose faces look the other way than

@@ -35,6 +35,20 @@ bool isOutside(uint32_t s, const std::vector<std::vector<uint32_t>>& around,
     return share > kMostlyFilled || (share > kFilled && inwards && volumes[s] < 0);
 }
 
+std::vector<bool> bodiesOutside(const std::vector<std::vector<uint32_t>>& around,
+                                const std::vector<double>& volumes, const std::vector<bool>& hasGlass) {
+    const size_t count = around.size();
+    std::vector<bool> body(count, false), holds(count, false);
+    bool windows = false; // of rooms that look inwards
+    for (size_t s = 0; s < count; ++s) {
+        windows |= around[s].empty() && volumes[s] > 0 && hasGlass[s];
+        for (const uint32_t holder : around[s]) holds[holder] = true;
+    }
+    for (size_t s = 0; s < count; ++s)
+        body[s] = windows && around[s].empty() && !holds[s] && volumes[s] < 0 && !hasGlass[s];
+    return body;
+}
+
 } // namespace
 
 int crossings(const std::vector<ShellTriangle>& shell, glm::dvec3 p) {
@@ -52,7 +66,8 @@ int crossings(const std::vector<ShellTriangle>& shell, glm::dvec3 p) {
     return count;
 }
 
-ShellNesting nestShells(const std::vector<std::vector<ShellTriangle>>& shells) {
+ShellNesting nestShells(const std::vector<std::vector<ShellTriangle>>& shells,
+                        const std::vector<bool>& hasGlass) {
     ShellNesting out;
     const auto count = static_cast<uint32_t>(shells.size());
     std::vector<std::vector<uint32_t>> around(count);
@@ -70,8 +85,11 @@ ShellNesting nestShells(const std::vector<std::vector<ShellTriangle>>& shells) {
         out.room[s] = kNoRoom;
         for (auto& holders : around) std::erase(holders, s);
     }
+    const std::vector<bool> body = bodiesOutside(around, volumes, hasGlass);
     for (uint32_t s = 0; s < count; ++s)
-        if (around[s].size() % 2 == 0 && out.room[s] != kNoRoom) out.room[s] = out.rooms++;
+        if (around[s].size() % 2 == 0 && out.room[s] != kNoRoom && !body[s]) out.room[s] = out.rooms++;
+    for (uint32_t s = 0; s < count; ++s)
+        if (body[s]) out.room[s] = out.rooms + out.bodies++;
     for (uint32_t s = 0; s < count; ++s) {
         const bool solid = around[s].size() % 2 == 1;
         if (solid) {

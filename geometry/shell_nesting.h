@@ -19,14 +19,18 @@ struct ShellNesting {
     std::vector<bool> inverted; // per shell: its triangles look away from the air
     uint32_t rooms = 0;
     uint32_t solidsThatLookIn = 0; // drawn as the shell of the room is that they stand in
+    uint32_t bodies = 0; // that stand outside: counted as rooms, in `room`, after `rooms`
 };
 
 // The outermost shell bounds a room, a shell within it is a solid that stands in the room's air, and so on
 // inwards. But an outermost shell that is more than half filled by those within it is the outside of walls
 // that have a thickness, unless it looks inwards and all of those outwards; and so is one that looks
-// outwards, an eighth or more filled by shells that look inwards: it bounds no room, those within it do. Each
-// shell is closed, its triangles look to one side; shells do not cross. Cost: shells times triangles.
-ShellNesting nestShells(const std::vector<std::vector<ShellTriangle>>& shells);
+// outwards, an eighth or more filled by shells that look inwards: it bounds no room, those within it do. Nor
+// does a shell with nothing in it and without glass that looks outwards, where rooms that look inwards have
+// some: a neighbour, the ground. Each shell is closed, its triangles look to one side; shells do not cross.
+// Cost: shells times triangles.
+ShellNesting nestShells(const std::vector<std::vector<ShellTriangle>>& shells,
+                        const std::vector<bool>& hasGlass);
 
 // How many times a ray from p, in a direction that is no one's normal or edge, passes through the shell: odd
 // for points inside.

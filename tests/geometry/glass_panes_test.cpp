@@ -231,6 +231,22 @@ TEST(GlassPanes, what_stands_before_them_is_written_and_read) {
     }
 }
 
+// However large: a neighbour, the ground that the house stands on.
+TEST(GlassPanes, bodies_without_any_outside_are_no_rooms) {
+    for (const double top : {0.7, 0.0}) {
+        Drawing drawing;
+        drawRoom(drawing, 0, 3);
+        drawing.face("glass", hole(0));
+        const double low = top - 5;
+        const double far = top == 0 ? 30 : -10;
+        drawing.box(rectangle(-30, 30, low, top, -30), rectangle(-30, 30, low, top, far));
+        expectVolumesOf(drawing, {30});
+        const std::vector<std::string> warnings = drawing.read().warnings;
+        ASSERT_EQ(warnings.size(), 1u) << top;
+        EXPECT_EQ(warnings[0].rfind("1 solid stands outside", 0), 0u) << warnings[0];
+    }
+}
+
 TEST(GlassPanes, in_walls_without_floor_and_ceiling) {
     Drawing drawing;
     drawRoom(drawing, 0, 3);
@@ -294,7 +310,7 @@ TEST(GlassPanes, bars_outside_are_cut_out_of_no_room) {
         drawing.face("glass", hole(-0.1));
         std::vector<std::string> starts;
         for (const std::string& warning : drawing.read().warnings) starts.push_back(warning.substr(0, 20));
-        std::vector<std::string> expected{"1 solid touches no r"};
+        std::vector<std::string> expected{"1 solid stands outsi"};
         if (inside) expected.insert(expected.begin(), "1 solid was cut out ");
         EXPECT_EQ(starts, expected);
     }
