@@ -20,7 +20,8 @@ constexpr float kNear = 0.02F, kMostNearer = 3; // form factor from which patche
 constexpr float kNegligible = 1e-3F;
 // So much nearer or farther than its patch light is seen exactly: its middle says little.
 constexpr float kMuch = 0.5F;
-// Less than this share of a patch's height below the horizon, or hidden, does not count.
+// Less than this share of a patch's height below the horizon, or hidden, does not count. A sliver above does:
+// close by it is all that a sensor below the top of a partition sees of it, and no middle tells of it.
 constexpr double kSliver = 0.05;
 
 struct Middles {
@@ -316,7 +317,7 @@ bool SunEdges::isCut(const geometry::PatchMesh& mesh, uint32_t patch, const Poin
         const double height = glm::dot(mesh.vertices[v] - view.position(), view.normal());
         lowest = std::min(lowest, height), highest = std::max(highest, height);
     }
-    return std::min(-lowest, highest) > kSliver * (highest - lowest);
+    return highest > 0 && -lowest > kSliver * (highest - lowest);
 }
 
 bool SunEdges::isPartlyHidden(const geometry::PatchMesh& mesh, const PointView& view, uint32_t patch,

@@ -91,7 +91,7 @@ private:
     // Per edge of one of patches_, how many times nearer and squarer its light stands to the view's point
     // than the patch's middle, less one; false where the middle lies below either's horizon.
     bool findNearer(const PointView& view, size_t patch, VectorWidth width, std::vector<float>& nearer) const;
-    // Whether the view's horizon runs through it, leaving more than a sliver on both sides.
+    // Whether the view's horizon runs through it, leaving more than a sliver below.
     static bool isCut(const geometry::PatchMesh& mesh, uint32_t patch, const PointView& view);
     // Whether something stands before more than a sliver of what is above the horizon; `straight`: form
     // factor of what is seen.

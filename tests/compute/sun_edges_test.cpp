@@ -55,7 +55,8 @@ struct Places {
         }
     }
 
-    // Whether a patch is near, hidden in part or cut by the horizon: middles do not tell its edges.
+    // Whether a patch is near, hidden in part or cut by the horizon, be it by a sliver above: middles do not
+    // tell its edges.
     bool isIntricate(const SunEdges::Place& place, uint32_t patch) const {
         std::vector<glm::dvec3> above;
         const std::vector<glm::dvec3> corners = geometry::patchCorners(mesh, patch);
@@ -64,7 +65,7 @@ struct Places {
             const double height = glm::dot(corner - place.view.position(), place.view.normal());
             lowest = std::min(lowest, height), highest = std::max(highest, height);
         }
-        return place.even[patch] >= 0.0201F || std::min(-lowest, highest) > 0.06 * (highest - lowest) ||
+        return place.even[patch] >= 0.0201F || -lowest > 0.06 * (highest - lowest) ||
                place.even[patch] < 0.94 * place.view.openFactor(corners, above);
     }
 
