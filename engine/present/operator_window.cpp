@@ -134,6 +134,8 @@ void OperatorWindow::State::release() {
     dropTarget();
     if (ImGui::GetIO().BackendRendererUserData && !torn) ImGui_ImplVulkan_Shutdown();
     if (window->beforeClose) std::exchange(window->beforeClose, {})();
+    ImGuiIO& io = ImGui::GetIO(); // what could not be shut down is forgotten: Debian 13's insists on it
+    io.BackendPlatformUserData = io.BackendRendererUserData = nullptr;
     ImGui::DestroyContext(context);
     vkDestroyDescriptorPool(device->handle(), pool, nullptr);
     vkDestroyRenderPass(device->handle(), pass, nullptr);

@@ -16,15 +16,23 @@
 namespace heliodon::compute {
 namespace {
 
+std::unique_ptr<gpu::Device> theDiscrete;
+
+// While the layers are there: of programs that end they go before what is static.
+class Release : public testing::Environment {
+    void TearDown() override { theDiscrete.reset(); }
+};
+const testing::Environment* const kRelease = testing::AddGlobalTestEnvironment(new Release);
+
 gpu::Device& discrete() {
-    static const std::unique_ptr<gpu::Device> device = [] {
+    if (!theDiscrete) {
         gpu::DeviceOptions options;
         options.validation = true;
         options.onMessage = [](std::string_view message) { ADD_FAILURE() << message; };
         options.mapsOwnMemory = false;
-        return std::make_unique<gpu::Device>(options);
-    }();
-    return *device;
+        theDiscrete = std::make_unique<gpu::Device>(options);
+    }
+    return *theDiscrete;
 }
 
 TEST(DiscreteMemory, is_not_seen_by_the_host) {

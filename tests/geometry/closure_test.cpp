@@ -79,7 +79,7 @@ void checkExpected(const Sketch& sketch, const nlohmann::json& expect) {
     expectProven(closure);
     EXPECT_EQ(report.windowCount, expect["n_windows"].get<int>());
     EXPECT_EQ(report.skylightPaneCount, expect["n_skylight_panes"].get<int>());
-    for (const auto& [id, role] : expect["wall_roles"].items()) EXPECT_EQ(roleOf(report, id), role) << id;
+    for (const auto& [id, role] : expect["wall_roles"].items()) EXPECT_EQ(roleOf(report, id), role.get<std::string>()) << id;
     ASSERT_EQ(report.rooms.size(), expect["rooms"].size());
     std::vector<RoomReport> rooms = report.rooms;
     std::ranges::sort(rooms, std::greater(), &RoomReport::floorAreaFt2);
