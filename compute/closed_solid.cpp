@@ -15,7 +15,6 @@
 #include "compute/opposite_sheets.h"
 #include "geometry/bounds.h"
 #include "geometry/disjoint_sets.h"
-#include "geometry/outline_area.h"
 #include "geometry/perpendicular.h"
 
 namespace heliodon::compute {
@@ -245,7 +244,7 @@ std::vector<std::set<uint32_t>> surfacesIn(const geometry::PatchMesh& mesh, std:
     for (uint32_t i = 0; i < mesh.patchCount(); ++i) patchesOf[plane[i]].push_back(i);
     std::vector<std::set<uint32_t>> result;
     for (const ConvexRegion& region : regions) {
-        const dvec3 normal = glm::normalize(geometry::areaVector(region.corners));
+        const dvec3 normal = normalOf(region);
         const dvec3 u = geometry::perpendicular(normal), v = glm::cross(normal, u);
         const auto inPlane = [&](const std::vector<dvec3>& corners) {
             std::vector<dvec2> flatCorners;
@@ -268,7 +267,7 @@ std::vector<std::set<uint32_t>> surfacesIn(const geometry::PatchMesh& mesh, std:
 void dropPierced(const geometry::PatchMesh& mesh, const std::vector<ConvexRegion>& regions,
                  const std::vector<std::set<uint32_t>>& covered, double flat, Surfaces& surfaces) {
     for (size_t r = 0; r < regions.size(); ++r) {
-        const dvec3 normal = glm::normalize(geometry::areaVector(regions[r].corners));
+        const dvec3 normal = normalOf(regions[r]);
         for (uint32_t i = 0; i < mesh.patchCount(); ++i) {
             if (mesh.room[i] != regions[r].room) continue;
             const auto corner = mesh.patch(i);

@@ -6,8 +6,10 @@
 #include <span>
 #include <vector>
 
+#include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
 
+#include "geometry/outline_area.h"
 #include "geometry/patch_mesh.h"
 
 namespace heliodon::compute {
@@ -18,6 +20,9 @@ struct ConvexRegion {
     uint32_t room = 0;
     uint32_t group = 0; // as given to mergedRegions; of blockingPlanes the plane, as planeNumbers has it
 };
+inline glm::dvec3 normalOf(const ConvexRegion& region) {
+    return glm::normalize(geometry::areaVector(region.corners));
+}
 
 // A patch this near to a region's plane, as a share of the mesh's diagonal, and parallel to it lies in that
 // plane: the region, which may be the patch's own wall, cannot hide anything from it. A board whose front

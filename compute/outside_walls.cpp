@@ -5,17 +5,12 @@
 #include <glm/geometric.hpp>
 
 #include "geometry/bounds.h"
-#include "geometry/outline_area.h"
 
 namespace heliodon::compute {
 
 using glm::dvec3;
 
 namespace {
-
-dvec3 normalOf(const ConvexRegion& region) {
-    return glm::normalize(geometry::areaVector(region.corners));
-}
 
 bool isAround(const ConvexRegion& region, dvec3 normal, dvec3 p, double tolerance) {
     for (size_t k = 0; k < region.corners.size(); ++k) {

@@ -16,7 +16,6 @@
 #include "compute/view_cells.h"
 #include "geometry/bounds.h"
 #include "geometry/clip_polygon.h"
-#include "geometry/outline_area.h"
 
 namespace heliodon::compute {
 
@@ -34,10 +33,6 @@ void splitAtHorizon(const PointView::Polygon& polygon, PointView::Polygon& sky, 
         polygon, [](const dvec3& p) { return -p.y; }, ground);
     for (dvec3& p : sky) p.y = std::max(p.y, 0.0);
     for (dvec3& p : ground) p.y = std::min(p.y, 0.0);
-}
-
-dvec3 normalOf(const ConvexRegion& region) {
-    return glm::normalize(geometry::areaVector(region.corners));
 }
 
 // What of a convex polygon lies more than `least` behind a plane.

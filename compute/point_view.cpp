@@ -9,7 +9,6 @@
 
 #include <glm/geometric.hpp>
 #include <glm/vec2.hpp>
-#include <glm/vector_relational.hpp>
 
 #include "geometry/bounds.h"
 #include "geometry/clip_polygon.h"
@@ -149,10 +148,8 @@ Blockers Blockers::between(std::span<const dvec3> points) const {
     some.tolerance_ = tolerance_;
     const geometry::Bounds box = geometry::boundsOf(points);
     for (const ConvexRegion& region : regions_) {
-        const geometry::Bounds own = geometry::boundsOf(region.corners);
-        if (glm::any(glm::greaterThan(own.low, box.high)) || glm::any(glm::greaterThan(box.low, own.high)))
-            continue;
-        const dvec3 normal = glm::normalize(geometry::areaVector(region.corners));
+        if (!geometry::boundsOf(region.corners).isNear(box, 0)) continue;
+        const dvec3 normal = normalOf(region);
         bool before = false, behind = false;
         for (const dvec3& p : points) {
             const double height = glm::dot(normal, p - region.corners[0]);

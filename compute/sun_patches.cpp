@@ -133,7 +133,7 @@ SunPatches::Face SunPatches::faceOf(const ConvexRegion& region) const {
     Face face;
     face.region = &region;
     for (const glm::dvec3& corner : region.corners) face.outline.push_back(project(corner));
-    face.normal = glm::normalize(geometry::areaVector(region.corners));
+    face.normal = normalOf(region);
     if (glm::dot(face.normal, sun_) < 0) std::reverse(face.outline.begin(), face.outline.end());
     const Box box(face.outline);
     face.low = box.low, face.high = box.high;

@@ -131,7 +131,6 @@ private:
         for (uint32_t f = 0; f < space_.welded.faces.size(); ++f)
             for (uint32_t s = 0; s < 2; ++s)
                 if (out_.room.contains(space_.partAt(f, 1 - s))) inRooms.insert(space_.partAt(f, s));
-        solidsOutside_ = bodies_;
         for (const auto& [id, volume] : found_) {
             if (!inRooms.contains(id)) {
                 ++solidsOutside_;
@@ -265,7 +264,7 @@ private:
                 } else if (isBodyOutside(part, largest)) {
                     changed = true;
                     solid_.insert(id);
-                    ++bodies_;
+                    ++solidsOutside_;
                 } else {
                     contrary_ += contrary(part, largest);
                     insides_ += stand.within && !stand.touchesWall;
@@ -311,8 +310,7 @@ private:
     std::set<uint32_t> solid_;
     std::map<uint32_t, double>
         found_; // solids that stand against walls or floors: of the largest part's volume
-    size_t bodies_ = 0;                     // solids that stand outside
-    size_t solids_ = 0, solidsOutside_ = 0; // of the former and these
+    size_t solids_ = 0, solidsOutside_ = 0; // of these; the latter with bodies of their own
     double largestSolid_ = 0;
     size_t outsides_ = 0;               // of walls with a thickness
     size_t contrary_ = 0, insides_ = 0; // rooms whose faces look out, or that stand in others
