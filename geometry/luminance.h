@@ -16,4 +16,9 @@ inline double photometric(const glm::vec3& rgb) {
     return photometric(glm::dvec3(rgb));
 }
 
+// Whether one channel says what all three would.
+inline bool isGrey(const glm::vec3& rgb) {
+    return rgb.x == rgb.y && rgb.y == rgb.z;
+}
+
 } // namespace heliodon::geometry
