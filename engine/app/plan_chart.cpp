@@ -19,6 +19,7 @@ namespace heliodon::app {
 namespace {
 
 constexpr double kPlan = 720, kNarrowest = 420, kMargin = 40, kLegend = 90, kHead = 62, kFoot = 40; // pixels
+constexpr double kCaption = 24;   // above each of several storeys
 constexpr double kOutline = 0.01; // pixels to which areas of one colour are joined
 constexpr Ink kOpening{60, 150, 255}, kSunEdge{225, 85, 0};
 constexpr size_t kBands = 40; // of colour between the ends of the scale
@@ -35,24 +36,50 @@ std::vector<Sample> clipped(const std::vector<Sample>& polygon, double level, bo
     return result;
 }
 
+// One storey, at its place among the others: each as large as all of the model is.
 class PlanDrawing {
 public:
-    PlanDrawing(const Scene& scene, const ValueScale& scale)
-        : mesh_(scene.mesh), scale_(scale), border_(kBorder * scene.worldPerBuilding) {
-        for (const glm::dvec3& v : mesh_.vertices)
+    PlanDrawing(const Scene& scene, const ValueScale& scale, size_t storey, size_t storeys)
+        : scale_(scale), border_(kBorder * scene.worldPerBuilding), caption_(storeys > 1 ? kCaption : 0) {
+        for (const glm::dvec3& v : scene.mesh.vertices)
             low_ = glm::min(low_, flat(v)), high_ = glm::max(high_, flat(v));
         const glm::dvec2 extent = glm::max(high_ - low_, glm::dvec2(1e-9));
         pixels_ = kPlan / std::max(extent.x, extent.y);
         size_ = pixels_ * extent;
+        const auto columns = static_cast<size_t>(std::ceil(std::sqrt(static_cast<double>(storeys))));
+        const glm::dvec2 pitch = size_ + glm::dvec2(kMargin, caption_);
+        origin_ =
+            glm::dvec2(kMargin, kHead + caption_) +
+            pitch * glm::dvec2(static_cast<double>(storey % columns), static_cast<double>(storey / columns));
+        all_ = pitch * glm::dvec2(static_cast<double>(columns),
+                                  static_cast<double>((storeys + columns - 1) / columns)) -
+               glm::dvec2(kMargin, 0);
     }
     Chart chart() const {
-        return {std::max(size_.x, kNarrowest) + 2 * kMargin + kLegend,
-                std::max(size_.y, 260.0) + kHead + kFoot + kMargin};
+        return {std::max(all_.x, kNarrowest) + 2 * kMargin + kLegend,
+                std::max(all_.y, 260.0) + kHead + kFoot + kMargin};
     }
-    glm::dvec2 pixel(glm::dvec2 p) const { return glm::dvec2(kMargin, kHead) + pixels_ * (p - low_); }
+    glm::dvec2 pixel(glm::dvec2 p) const { return origin_ + pixels_ * (p - low_); }
+    void caption(Chart& chart, const std::string& words) const {
+        chart.text(origin_ - glm::dvec2(0, 8), words, 11);
+    }
     double pixelsPerWorld() const { return pixels_; }
     glm::dvec2 size() const { return size_; }
 
+    void draw(Chart& chart, const std::vector<PlanFloor>& floors, bool few) {
+        for (const PlanFloor& floor : floors)
+            if (!floor.samples.empty()) colours(chart, floor, few);
+        walls(chart, floors);
+        for (const PlanFloor& floor : floors) sensors(chart, floor.samples, few);
+        labels(chart, floors);
+    }
+    bool hasSunEdges() const { return hasSunEdges_; }
+    bool hasDots() const { return hasDots_; }
+    static void dot(Chart& chart, glm::dvec2 p) {
+        chart.rectangle(p.x - 0.8, p.y - 0.8, 1.6, 1.6, {90, 90, 90});
+    }
+
+private:
     // Few sensors that do not cover the floor tell nothing about what they do not surround, and no lines.
     void colours(Chart& chart, const PlanFloor& floor, bool few) {
         std::vector<Sample> samples = floor.sun ? floor.shaded : floor.samples;
@@ -74,9 +101,6 @@ public:
         isoLux(chart, triangles);
         if (floor.sun) sunEdges(chart, floor, reach, triangles);
     }
-
-    bool hasSunEdges() const { return hasSunEdges_; }
-    bool hasDots() const { return hasDots_; }
 
     void fillBands(Chart& chart, const std::vector<SampleTriangle>& triangles) const {
         std::vector<std::vector<Points>> bands(kBands);
@@ -156,10 +180,6 @@ public:
         }
     }
 
-    static void dot(Chart& chart, glm::dvec2 p) {
-        chart.rectangle(p.x - 0.8, p.y - 0.8, 1.6, 1.6, {90, 90, 90});
-    }
-
     // Dots; of few sensors rounds of their colour with their numbers.
     void sensors(Chart& chart, const std::vector<Sample>& samples, bool few) {
         for (const Sample& s : samples) {
@@ -199,9 +219,8 @@ public:
             for (double k = 0; k <= steps; ++k) obstacles.push_back(a + k / steps * (b - a));
         };
         for (const PlanFloor& floor : floors)
-            std::for_each(floor.outline.begin(), floor.outline.end(), along);
-        const auto edges = openings();
-        std::for_each(edges.begin(), edges.end(), along);
+            for (const auto* edges : {&floor.outline, &floor.openings})
+                std::for_each(edges->begin(), edges->end(), along);
         const auto nearest = [](const Points& points, glm::dvec2 p, double least) {
             for (glm::dvec2 q : points) least = std::min(least, glm::distance(p, q));
             return least;
@@ -239,10 +258,11 @@ public:
         for (const PlanFloor& floor : floors)
             for (const auto& [a, b] : floor.outline)
                 chart.line({pixel(flat(a)), pixel(flat(b))}, kBlack, 1.8);
-        for (const auto& [a, b] : openings()) chart.line({pixel(flat(a)), pixel(flat(b))}, kOpening, 3);
+        for (const PlanFloor& floor : floors)
+            for (const auto& [a, b] : floor.openings)
+                chart.line({pixel(flat(a)), pixel(flat(b))}, kOpening, 3);
     }
 
-private:
     struct IsoLine {
         double level;
         Points points; // pixels
@@ -273,12 +293,6 @@ private:
     // Parts of about ten pixels for the edges of triangles.
     size_t partsFor(double spacing) const {
         return static_cast<size_t>(std::clamp(std::round(pixels_ * spacing / 10), 1.0, 10.0));
-    }
-    std::vector<std::array<glm::dvec3, 2>> openings() const {
-        std::vector<size_t> patches;
-        for (size_t i = 0; i < mesh_.patchCount(); ++i)
-            if (mesh_.materials[mesh_.material[i]].isOpening()) patches.push_back(i);
-        return borders(mesh_, patches);
     }
     Ink inkAt(double share) const {
         ValueScale unit;
@@ -320,9 +334,10 @@ private:
             }
         }
     }
-    const geometry::PatchMesh& mesh_;
     const ValueScale& scale_;
-    double border_; // world metres
+    double border_;           // world metres
+    double caption_;          // pixels
+    glm::dvec2 origin_, all_; // pixels: of this storey, and how large all are together
     std::vector<IsoLine> lines_;
     Points numbers_; // pixels, where the sensors' stand
     bool hasSunEdges_ = false, hasDots_ = false;
@@ -330,7 +345,11 @@ private:
     double pixels_ = 1;
 };
 
-void drawNorthAndScale(Chart& chart, const Scene& scene, const PlanDrawing& plan) {
+struct Keys {
+    bool sunEdges = false, dots = false;
+};
+
+void drawNorthAndScale(Chart& chart, const Scene& scene, const PlanDrawing& plan, const Keys& has) {
     const double metre = plan.pixelsPerWorld() * scene.worldPerBuilding;
     double length = 1; // building metres, about a fifth of the plan
     while (length * metre > 150) length /= 2;
@@ -340,15 +359,15 @@ void drawNorthAndScale(Chart& chart, const Scene& scene, const PlanDrawing& plan
     for (double end : {0.0, length * metre})
         chart.line({at + glm::dvec2(end, -4), at + glm::dvec2(end, 4)}, kBlack, 1.2);
     chart.text(at + glm::dvec2(length * metre + 8, 4), fmt::format("{:g} m", length), 11);
-    const glm::dvec2 keys(at.x + 215, at.y - (plan.hasSunEdges() ? 9 : 0));
+    const glm::dvec2 keys(at.x + 215, at.y - (has.sunEdges ? 9 : 0));
     const auto key = [&](double down, Ink ink, double thickness, const char* words) {
         const glm::dvec2 p = keys + glm::dvec2(0, down);
         chart.line({p, p + glm::dvec2(20, 0)}, ink, thickness);
         chart.text(p + glm::dvec2(28, 4), words, 11);
     };
     key(0, kOpening, 3, "opening");
-    if (plan.hasSunEdges()) key(18, kSunEdge, 1.2, "edge of direct sun");
-    if (plan.hasDots()) {
+    if (has.sunEdges) key(18, kSunEdge, 1.2, "edge of direct sun");
+    if (has.dots) {
         PlanDrawing::dot(chart, keys + glm::dvec2(92, 0));
         chart.text(keys + glm::dvec2(99, 4), "sensor", 11);
     }
@@ -359,6 +378,10 @@ void drawNorthAndScale(Chart& chart, const Scene& scene, const PlanDrawing& plan
     chart.fill({foot + 28.0 * north, foot + 16.0 * north + 5.0 * side, foot + 16.0 * north - 5.0 * side},
                kBlack);
     chart.text(foot + 24.0 * north + 14.0 * side + glm::dvec2(0, 4), "N", 12, Anchor::middle);
+}
+
+double lowestOf(const std::vector<PlanFloor>& floors) {
+    return std::ranges::min_element(floors, {}, &PlanFloor::height)->height;
 }
 
 // Of the sensors, and of sun that falls between them as though it had as many.
@@ -385,17 +408,25 @@ Plan planChart(const Scene& scene, const PlanValues& given, std::optional<ValueS
     size_t shown = 0;
     for (const PlanFloor& floor : floors) shown += floor.samples.size();
     if (!scale) scale = scaleOf(given, floors);
-    PlanDrawing plan(scene, *scale);
-    Chart chart = plan.chart();
-    for (const PlanFloor& floor : floors)
-        if (!floor.samples.empty()) plan.colours(chart, floor, shown <= kFew);
-    plan.walls(chart, floors);
-    for (const PlanFloor& floor : floors) plan.sensors(chart, floor.samples, shown <= kFew);
-    plan.labels(chart, floors);
+    size_t storeys = 1;
+    for (const PlanFloor& floor : floors) storeys = std::max(storeys, floor.storey + 1);
+    const PlanDrawing first(scene, *scale, 0, storeys);
+    Chart chart = first.chart();
+    Keys has;
+    for (size_t storey = 0; storey < storeys; ++storey) {
+        std::vector<PlanFloor> here;
+        std::ranges::copy_if(floors, std::back_inserter(here),
+                             [&](const PlanFloor& floor) { return floor.storey == storey; });
+        PlanDrawing plan(scene, *scale, storey, storeys);
+        if (storeys > 1)
+            plan.caption(chart, fmt::format("floors from {:.2f} m", lowestOf(here) / scene.worldPerBuilding));
+        plan.draw(chart, here, shown <= kFew);
+        has.sunEdges |= plan.hasSunEdges(), has.dots |= plan.hasDots();
+    }
     chart.text({kMargin, 22}, title, 15);
     chart.text({kMargin, 40}, subtitle, 11);
-    drawScale(chart, *scale, {chart.width() - kLegend, kHead + 10}, std::max(plan.size().y, 260.0) - 20);
-    drawNorthAndScale(chart, scene, plan);
+    drawScale(chart, *scale, {chart.width() - kLegend, kHead + 10}, std::max(first.size().y, 260.0) - 20);
+    drawNorthAndScale(chart, scene, first, has);
     return {std::move(chart), shown};
 }
 

@@ -15,35 +15,146 @@ namespace heliodon::app {
 
 namespace {
 
-// Tops of walls that no sensor stands above, `top` being the highest, are no floor.
-std::vector<PlanFloor> floorsOf(const geometry::PatchMesh& mesh, double top) {
-    std::map<uint32_t, std::vector<size_t>> floors;
+// What looks up so far above the rest of its room is a floor of its own, as a gallery: building metres.
+constexpr double kHeadroom = 2.4;
+constexpr double kOnFloor = 1e-6; // world metres below a floor that a sensor on it may be by rounding
+
+using Patches = std::vector<size_t>;
+
+// Patches that look up, by room and from the lowest, apart where a person stands between.
+std::vector<Patches> levelsOf(const geometry::PatchMesh& mesh, double headroom) {
+    std::map<uint32_t, std::vector<std::pair<double, size_t>>> rooms;
     for (size_t i = 0; i < mesh.patchCount(); ++i)
-        if (geometry::patchNormal(mesh, i).y > 0.5 && geometry::patchCentroid(mesh, i).y <= top)
-            floors[mesh.room[i]].push_back(i);
-    std::vector<PlanFloor> result;
-    for (const auto& [room, patches] : floors)
-        result.push_back({FloorCells(mesh, patches), borders(mesh, patches)});
-    return result;
+        if (geometry::patchNormal(mesh, i).y > 0.5)
+            rooms[mesh.room[i]].emplace_back(geometry::patchCentroid(mesh, i).y, i);
+    std::vector<Patches> levels;
+    for (auto& [room, patches] : rooms) {
+        std::ranges::sort(patches);
+        double last = -1e300;
+        for (const auto& [height, patch] : patches) {
+            if (height - last > headroom) levels.emplace_back();
+            levels.back().push_back(patch), last = height;
+        }
+    }
+    return levels;
+}
+
+std::vector<PlanFloor> floorsOf(const geometry::PatchMesh& mesh, const std::vector<Patches>& levels) {
+    std::vector<PlanFloor> floors;
+    for (const Patches& level : levels)
+        floors.push_back({mesh.room[level[0]], geometry::patchCentroid(mesh, level[0]).y,
+                          FloorCells(mesh, level), borders(mesh, level)});
+    return floors;
+}
+
+// The highest floor below p; none where no floor is.
+size_t floorBelow(const std::vector<PlanFloor>& floors, glm::dvec3 p) {
+    size_t best = floors.size();
+    for (size_t f = 0; f < floors.size(); ++f)
+        if (floors[f].height <= p.y + kOnFloor &&
+            (best == floors.size() || floors[f].height > floors[best].height) &&
+            floors[f].cells.covers(flat(p)))
+            best = f;
+    return best;
+}
+
+// What a plan shows as floor: not the tops of walls that no sensor stands above, nor galleries without any.
+std::vector<Patches> levelsShown(const geometry::PatchMesh& mesh, const PlanValues& given,
+                                 std::vector<Patches> levels) {
+    const std::vector<PlanFloor> floors = floorsOf(mesh, levels);
+    double above = -1e300; // its floor, of the sensor that stands highest over one
+    std::vector<bool> used(floors.size());
+    for (size_t s = 0; s < given.points.size(); ++s) {
+        if (given.normals[s].y < 0.5) continue;
+        const size_t f = floorBelow(floors, given.points[s]);
+        if (f == floors.size()) continue;
+        used[f] = true, above = std::max(above, given.points[s].y - floors[f].height);
+    }
+    std::vector<Patches> shown;
+    for (size_t f = 0; f < floors.size(); ++f) {
+        if (!used[f] && f > 0 && floors[f].room == floors[f - 1].room) continue;
+        std::erase_if(levels[f], [&](size_t i) {
+            return geometry::patchCentroid(mesh, i).y > floors[f].height + std::max(above, 0.0);
+        });
+        shown.push_back(std::move(levels[f]));
+    }
+    return shown;
 }
 
 // Sensors by the floor that they stand over.
 void sortIn(const PlanValues& given, std::vector<PlanFloor>& floors) {
-    std::set<std::pair<int64_t, int64_t>> taken;
+    std::set<std::array<int64_t, 3>> taken;
     for (size_t s = 0; s < given.points.size(); ++s) {
+        if (given.normals[s].y < 0.5) continue;
         const glm::dvec2 p = flat(given.points[s]);
-        if (given.normals[s].y < 0.5 ||
-            !taken.insert({std::llround(p.x * 1e5), std::llround(p.y * 1e5)}).second)
+        const size_t f = floorBelow(floors, given.points[s]);
+        if (f == floors.size() ||
+            !taken.insert({std::llround(p.x * 1e5), std::llround(p.y * 1e5), static_cast<int64_t>(f)}).second)
             continue;
-        const auto floor =
-            std::ranges::find_if(floors, [&](const PlanFloor& f) { return f.cells.covers(p); });
-        if (floor == floors.end()) continue;
-        floor->samples.push_back({p, given.values[s], given.points[s].y});
+        PlanFloor& floor = floors[f];
+        floor.samples.push_back({p, given.values[s], given.points[s].y});
         if (!given.sunPatches) continue;
-        floor->shaded.push_back({p, given.values[s] - given.sun[s], given.points[s].y});
-        if (floor->samples.size() == 1) floor->sun.emplace();
-        if (given.normals[s].y < 1 - 1e-6) floor->sun.reset();
+        floor.shaded.push_back({p, given.values[s] - given.sun[s], given.points[s].y});
+        if (floor.samples.size() == 1) floor.sun.emplace();
+        if (given.normals[s].y < 1 - 1e-6) floor.sun.reset();
     }
+}
+
+// Storeys of floors with these patches, from the lowest; those without a sensor are left out where others
+// have some.
+void findStoreys(const geometry::PatchMesh& mesh, const std::vector<Patches>& levels,
+                 std::vector<PlanFloor>& floors) {
+    const auto liesOver = [&](size_t a, size_t b) {
+        return std::ranges::any_of(levels[a], [&](size_t i) {
+            return floors[b].cells.covers(flat(geometry::patchCentroid(mesh, i)));
+        });
+    };
+    std::vector<size_t> upwards(floors.size());
+    for (size_t f = 0; f < floors.size(); ++f) upwards[f] = f;
+    std::ranges::stable_sort(upwards, {}, [&](size_t f) { return floors[f].height; });
+    std::vector<std::vector<size_t>> storeys;
+    std::vector<double> heights;              // of each, its first floor's
+    for (int round = 0; round < 2; ++round) { // the second knows all heights
+        storeys.assign(heights.size(), {});
+        for (size_t f : upwards) {
+            size_t best = storeys.size();
+            const auto off = [&](size_t storey) { return std::abs(heights[storey] - floors[f].height); };
+            for (size_t k = 0; k < storeys.size(); ++k) {
+                const bool isFree = std::ranges::none_of(
+                    storeys[k], [&](size_t other) { return liesOver(f, other) || liesOver(other, f); });
+                if (isFree && (best == storeys.size() || off(k) < off(best))) best = k;
+            }
+            if (best == storeys.size()) storeys.emplace_back(), heights.push_back(floors[f].height);
+            storeys[best].push_back(f);
+        }
+    }
+    const bool any = std::ranges::any_of(floors, [](const PlanFloor& f) { return !f.samples.empty(); });
+    std::erase_if(storeys, [&](const std::vector<size_t>& storey) {
+        return storey.empty() ||
+               (any && std::ranges::all_of(storey, [&](size_t f) { return floors[f].samples.empty(); }));
+    });
+    std::vector<PlanFloor> shown;
+    for (size_t storey = 0; storey < storeys.size(); ++storey)
+        for (size_t f : storeys[storey]) {
+            floors[f].storey = storey;
+            shown.push_back(std::move(floors[f]));
+        }
+    floors = std::move(shown);
+}
+
+// An opening belongs to the highest floor of its room below its middle, else to the lowest.
+void findOpenings(const geometry::PatchMesh& mesh, std::vector<PlanFloor>& floors) {
+    std::vector<Patches> openings(floors.size());
+    for (size_t i = 0; i < mesh.patchCount(); ++i) {
+        if (!mesh.materials[mesh.material[i]].isOpening()) continue;
+        const double middle = geometry::patchCentroid(mesh, i).y;
+        size_t best = floors.size();
+        for (size_t f = 0; f < floors.size(); ++f)
+            if (floors[f].room == mesh.room[i] && (best == floors.size() || floors[f].height <= middle))
+                best = f;
+        if (best < floors.size()) openings[best].push_back(i);
+    }
+    for (size_t f = 0; f < floors.size(); ++f) floors[f].openings = borders(mesh, openings[f]);
 }
 
 void findSunlight(const Scene& scene, const PlanValues& given, PlanFloor& floor) {
@@ -92,11 +203,13 @@ std::vector<std::array<glm::dvec3, 2>> borders(const geometry::PatchMesh& mesh,
 }
 
 std::vector<PlanFloor> planFloors(const Scene& scene, const PlanValues& given) {
-    double top = -1e300;
-    for (size_t s = 0; s < given.points.size(); ++s)
-        if (given.normals[s].y >= 0.5) top = std::max(top, given.points[s].y);
-    std::vector<PlanFloor> floors = floorsOf(scene.mesh, top);
+    const geometry::PatchMesh& mesh = scene.mesh;
+    const std::vector<Patches> levels =
+        levelsShown(mesh, given, levelsOf(mesh, kHeadroom * scene.worldPerBuilding));
+    std::vector<PlanFloor> floors = floorsOf(mesh, levels);
     sortIn(given, floors);
+    findStoreys(mesh, levels, floors);
+    findOpenings(mesh, floors);
     for (PlanFloor& floor : floors)
         if (floor.sun) findSunlight(scene, given, floor);
     return floors;

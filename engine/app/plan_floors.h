@@ -29,14 +29,19 @@ struct Sunlight {
 };
 
 struct PlanFloor {
+    uint32_t room;
+    double height; // of its lowest patch, world metres
     FloorCells cells;
-    std::vector<std::array<glm::dvec3, 2>> outline;
+    std::vector<std::array<glm::dvec3, 2>> outline, openings{};
+    size_t storey = 0;             // from the lowest, which is 0, among those that have sensors
     std::vector<Sample> samples{}; // all that is shown
     std::optional<Sunlight> sun{}; // of all samples, which have their values without it in `shaded`
     std::vector<Sample> shaded{};
 };
 
-// Tops of walls that no sensor stands above are no floor. Of several sensors at one place the first is taken.
+// A sensor stands over the highest floor below it. Floors of which one lies over another are of different
+// storeys, others of that whose height is nearest; without any sensor all storeys are there. Tops of walls
+// that no sensor stands above are no floor. Of several sensors at one place over a floor the first is taken.
 std::vector<PlanFloor> planFloors(const Scene& scene, const PlanValues& given);
 
 // Edges of some patches that only one of them has, by place so that welding does not matter.

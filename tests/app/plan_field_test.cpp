@@ -226,6 +226,12 @@ TEST(PlanField, areas_of_one_colour_are_outlined_once) {
     EXPECT_NEAR(area, 8, 1e-9);
 }
 
+size_t count(const std::string& text, const std::string& words) {
+    size_t found = 0;
+    for (size_t at = 0; (at = text.find(words, at)) != std::string::npos; ++at) ++found;
+    return found;
+}
+
 // The line at 500 runs fifteen pixels before a wall: nearer than numbers are put as long as there is a
 // choice.
 TEST(PlanChart, a_level_without_a_number_gets_one_where_it_fits) {
@@ -246,13 +252,37 @@ TEST(PlanChart, a_level_without_a_number_gets_one_where_it_fits) {
     scale.low = 100, scale.high = 1000, scale.logarithmic = true, scale.unit = "lux",
     scale.ticks = {200, 500};
     const std::string svg = app::planChart(scene, {points, normals, lux}, scale, "", "").chart.svg();
-    const auto count = [&](const std::string& words) {
-        size_t found = 0;
-        for (size_t at = 0; (at = svg.find(words, at)) != std::string::npos; ++at) ++found;
-        return found;
-    };
-    EXPECT_EQ(count(">200<"), 2u); // beside the scale, and on the line
-    EXPECT_EQ(count(">500<"), 2u);
+    EXPECT_EQ(count(svg, ">200<"), 2u); // beside the scale, and on the line
+    EXPECT_EQ(count(svg, ">500<"), 2u);
+}
+
+// A room of 100 lux and, partly over it, one of 900: no line at 500 lies between their sensors.
+TEST(PlanChart, storeys_are_drawn_side_by_side) {
+    app::Scene scene;
+    scene.worldPerBuilding = 1;
+    RoomBuilder room;
+    const auto white = [](int, int) { return kWhite; };
+    room.box({0, 0, 0}, {4, 2.5, 3}, 2, white, 0);
+    room.box({1, 3, 0}, {4, 2.5, 3}, 2, white, 1);
+    room.box({-3, 3, 0}, {3, 2.5, 3}, 2, white, 2); // over no room, as high as the second
+    scene.mesh = room.mesh;
+    std::vector<glm::dvec3> points, normals;
+    std::vector<double> lux;
+    for (double x = -2.75; x < 5; x += 0.5)
+        for (double z = 0.25; z < 3; z += 0.5)
+            for (const bool upper : {false, true})
+                if (upper ? x < 0 || x > 1 : x > 0 && x < 4) {
+                    points.emplace_back(x, upper ? 3.8 : 0.8, z);
+                    normals.emplace_back(0, 1, 0);
+                    lux.push_back(upper ? 900 : 100);
+                }
+    app::ValueScale scale;
+    scale.low = 50, scale.high = 1000, scale.logarithmic = true, scale.unit = "lux", scale.ticks = {500};
+    const app::Plan plan = app::planChart(scene, {points, normals, lux}, scale, "", "");
+    EXPECT_EQ(plan.shown, points.size()); // those at one place, too
+    const std::string svg = plan.chart.svg();
+    EXPECT_EQ(count(svg, ">floors from "), 2u);
+    EXPECT_EQ(count(svg, ">500<"), 1u); // beside the scale
 }
 
 TEST(LuxScale, holds_the_largest_of_a_few_values) {
