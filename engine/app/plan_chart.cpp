@@ -92,7 +92,7 @@ private:
         std::vector<SampleTriangle> triangles = smoothTriangles(samples, partsFor(spacing));
         // Triangles of samples reach over concave corners: what has its middle outside is left out.
         std::erase_if(triangles, [&](const SampleTriangle& t) {
-            return !floor.cells.covers((t[0].at + t[1].at + t[2].at) / 3.0);
+            return !floor.isOpenAt((t[0].at + t[1].at + t[2].at) / 3.0);
         });
         triangles = within(triangles, reach);
         if (floor.sun) triangles = sunlit(std::move(triangles), *floor.sun);
@@ -167,7 +167,7 @@ private:
                 };
                 for (double k = 0; k < bits; ++k) {
                     const glm::dvec2 middle = glm::mix(a, b, (k + 0.5) / bits);
-                    if (!isWithin(reach, middle) || !floor.cells.covers(middle) ||
+                    if (!isWithin(reach, middle) || !floor.isOpenAt(middle) ||
                         planeAt(*floor.sun, triangles, middle) != plane) {
                         draw();
                         continue;

@@ -36,7 +36,8 @@ struct PlanValues {
 // Coloured is what the sensors of a room surround and, within the room, as far around that as a sensor is
 // from the next (half a building metre at least). Up to twelve sensors have their numbers beside them and,
 // unless they cover the floor so, colours only between them and no lines. Blue are openings: windows,
-// skylights, holes; white are the tops of walls within a room. Storeys of which one lies over another are
+// skylights, holes; white are the tops of walls within a room and what
+// their sensors' plane cuts. Storeys of which one lies over another are
 // drawn side by side, each with the height of its floors; those without sensors only where none has some.
 // Without a scale it is luxScale() of what is drawn.
 Plan planChart(const Scene& scene, const PlanValues& values, std::optional<ValueScale> scale,

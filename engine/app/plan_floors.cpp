@@ -8,6 +8,7 @@
 #include <utility>
 
 #include <glm/common.hpp>
+#include <glm/geometric.hpp>
 
 #include "compute/lighting.h"
 
@@ -157,6 +158,48 @@ void findOpenings(const geometry::PatchMesh& mesh, std::vector<PlanFloor>& floor
     for (size_t f = 0; f < floors.size(); ++f) floors[f].openings = borders(mesh, openings[f]);
 }
 
+// Where a level plane cuts patches of a room; the room's air lies on the side on which floors lie of their
+// outlines' edges.
+Edges sectionOf(const geometry::PatchMesh& mesh, uint32_t room, double y) {
+    Edges section;
+    for (size_t i = 0; i < mesh.patchCount(); ++i) {
+        if (mesh.room[i] != room) continue;
+        const auto corners = mesh.patch(i); // convex: cut twice or not at all
+        std::array<glm::dvec3, 2> edge;
+        size_t ends = 0;
+        for (size_t k = 0; k < corners.size(); ++k) {
+            const glm::dvec3 a = mesh.vertices[corners[k]],
+                             b = mesh.vertices[corners[(k + 1) % corners.size()]];
+            if ((a.y > y) != (b.y > y) && ends < 2) edge[ends++] = glm::mix(a, b, (y - a.y) / (b.y - a.y));
+        }
+        if (ends < 2) continue;
+        const glm::dvec2 along = flat(edge[1]) - flat(edge[0]), air = flat(geometry::patchNormal(mesh, i));
+        if (along.y * air.x - along.x * air.y < 0) std::swap(edge[0], edge[1]);
+        section.push_back(edge);
+    }
+    return section;
+}
+
+// What the sensors' plane cuts without reaching the floor, as a cupboard on its feet, is no floor there and
+// has an outline.
+void leaveOutSolids(const Scene& scene, PlanFloor& floor) {
+    const double same = 1e-3 * scene.worldPerBuilding;
+    const auto heights = std::ranges::minmax_element(floor.samples, {}, &Sample::height);
+    if (floor.samples.empty() || heights.max->height - heights.min->height > same) return;
+    Edges section = sectionOf(scene.mesh, floor.room, heights.min->height);
+    Edges cuts;
+    for (const auto& [a, b] : section) {
+        const glm::dvec2 along = flat(b) - flat(a);
+        const double length = glm::length(along);
+        if (length < 1e-9) continue;
+        const glm::dvec2 behind = same / length * glm::dvec2(-along.y, along.x);
+        if (floor.cells.covers(0.5 * (flat(a) + flat(b)) + behind)) cuts.push_back({a, b});
+    }
+    if (cuts.empty()) return;
+    floor.section = std::move(section);
+    floor.outline.insert(floor.outline.end(), cuts.begin(), cuts.end());
+}
+
 void findSunlight(const Scene& scene, const PlanValues& given, PlanFloor& floor) {
     constexpr size_t kMostPlanes = 8;
     const double same = 1e-3 * scene.worldPerBuilding;
@@ -182,8 +225,16 @@ void findSunlight(const Scene& scene, const PlanValues& given, PlanFloor& floor)
 
 } // namespace
 
-std::vector<std::array<glm::dvec3, 2>> borders(const geometry::PatchMesh& mesh,
-                                               const std::vector<size_t>& patches) {
+bool PlanFloor::isOpenAt(glm::dvec2 p) const {
+    if (!cells.covers(p)) return false;
+    bool inside = section.empty(); // the room, whose surfaces to the right of p are odd in number
+    for (const auto& [a, b] : section)
+        if ((a.z > p.y) != (b.z > p.y) && a.x + (p.y - a.z) / (b.z - a.z) * (b.x - a.x) > p.x)
+            inside = !inside;
+    return inside;
+}
+
+Edges borders(const geometry::PatchMesh& mesh, const std::vector<size_t>& patches) {
     using Key = std::array<int64_t, 3>;
     const auto key = [](glm::dvec3 p) {
         return Key{std::llround(p.x * 1e6), std::llround(p.y * 1e6), std::llround(p.z * 1e6)};
@@ -197,7 +248,7 @@ std::vector<std::array<glm::dvec3, 2>> borders(const geometry::PatchMesh& mesh,
             if (!edges.erase({key(b), key(a)})) edges.insert({{key(a), key(b)}, {a, b}});
         }
     }
-    std::vector<std::array<glm::dvec3, 2>> result;
+    Edges result;
     for (const auto& [keys, edge] : edges) result.push_back(edge);
     return result;
 }
@@ -210,8 +261,10 @@ std::vector<PlanFloor> planFloors(const Scene& scene, const PlanValues& given) {
     sortIn(given, floors);
     findStoreys(mesh, levels, floors);
     findOpenings(mesh, floors);
-    for (PlanFloor& floor : floors)
+    for (PlanFloor& floor : floors) {
         if (floor.sun) findSunlight(scene, given, floor);
+        leaveOutSolids(scene, floor);
+    }
     return floors;
 }
 

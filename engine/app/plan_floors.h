@@ -28,15 +28,21 @@ struct Sunlight {
     std::vector<Part> parts;
 };
 
+using Edges = std::vector<std::array<glm::dvec3, 2>>;
+
 struct PlanFloor {
     uint32_t room;
     double height; // of its lowest patch, world metres
     FloorCells cells;
-    std::vector<std::array<glm::dvec3, 2>> outline, openings{};
+    Edges outline, openings{};
+    Edges section{}; // of the room by the plane of the sensors, where that cuts what stands free of the floor
     size_t storey = 0;             // from the lowest, which is 0, among those that have sensors
     std::vector<Sample> samples{}; // all that is shown
     std::optional<Sunlight> sun{}; // of all samples, which have their values without it in `shaded`
     std::vector<Sample> shaded{};
+
+    // Whether p is floor and, in the plane of the sensors, air.
+    bool isOpenAt(glm::dvec2 p) const;
 };
 
 // A sensor stands over the highest floor below it. Floors of which one lies over another are of different
@@ -45,7 +51,6 @@ struct PlanFloor {
 std::vector<PlanFloor> planFloors(const Scene& scene, const PlanValues& given);
 
 // Edges of some patches that only one of them has, by place so that welding does not matter.
-std::vector<std::array<glm::dvec3, 2>> borders(const geometry::PatchMesh& mesh,
-                                               const std::vector<size_t>& patches);
+Edges borders(const geometry::PatchMesh& mesh, const std::vector<size_t>& patches);
 
 } // namespace heliodon::app

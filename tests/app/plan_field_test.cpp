@@ -12,6 +12,7 @@
 #include "engine/app/chart.h"
 #include "engine/app/floor_cells.h"
 #include "engine/app/plan_chart.h"
+#include "engine/app/plan_floors.h"
 #include "engine/app/work_plane.h"
 #include "tests/passes/room_builder.h"
 
@@ -283,6 +284,39 @@ TEST(PlanChart, storeys_are_drawn_side_by_side) {
     const std::string svg = plan.chart.svg();
     EXPECT_EQ(count(svg, ">floors from "), 2u);
     EXPECT_EQ(count(svg, ">500<"), 1u); // beside the scale
+}
+
+// A cupboard on feet and a lamp above the sensors' plane: it cuts the one, and the room's walls.
+TEST(PlanChart, what_the_sensors_plane_cuts_is_no_floor) {
+    app::Scene scene;
+    scene.worldPerBuilding = 1;
+    RoomBuilder room;
+    room.box({0, 0, 0}, {4, 2.5, 3}, 2, [](int, int) { return kWhite; });
+    const auto solid = [&](glm::dvec3 low, glm::dvec3 high) {
+        const glm::dvec3 size = high - low, x(size.x, 0, 0), y(0, size.y, 0), z(0, 0, size.z);
+        for (const auto& [u, v] : {std::pair(x, z), std::pair(y, x), std::pair(z, y)}) {
+            room.wall(low, u, v, 1, 1);
+            room.wall(high, -v, -u, 1, 1);
+        }
+    };
+    solid({1, 0.1, 1}, {1.5, 2, 2});
+    solid({2.5, 1.5, 1}, {3, 1.7, 2});
+    scene.mesh = room.mesh;
+    std::vector<glm::dvec3> points, normals;
+    for (double x = 0.25; x < 4; x += 0.5)
+        for (double z = 0.25; z < 3; z += 0.5)
+            if (x < 1 || x > 1.5) points.emplace_back(x, 0.8, z), normals.emplace_back(0, 1, 0);
+    const std::vector<double> lux(points.size(), 100);
+    const auto floors = app::planFloors(scene, {points, normals, lux});
+    ASSERT_EQ(floors.size(), 1u);
+    for (const auto& [at, open] :
+         {std::pair(glm::dvec2(1.2, 1.4), false), std::pair(glm::dvec2(0.9, 1.4), true),
+          std::pair(glm::dvec2(1.6, 1.4), true), std::pair(glm::dvec2(1.2, 2.1), true),
+          std::pair(glm::dvec2(2.7, 1.4), true), std::pair(glm::dvec2(4.1, 1.4), false)})
+        EXPECT_EQ(floors[0].isOpenAt(at), open) << at.x << ' ' << at.y;
+    double length = 0;
+    for (const auto& [a, b] : floors[0].outline) length += glm::distance(a, b);
+    EXPECT_NEAR(length, 2 * (4 + 3) + 2 * (0.5 + 1), 1e-9);
 }
 
 TEST(LuxScale, holds_the_largest_of_a_few_values) {
