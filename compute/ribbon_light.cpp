@@ -1,6 +1,7 @@
 #include "compute/ribbon_light.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <utility>
@@ -21,9 +22,11 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 constexpr auto kGauss3 = daylight::gaussLegendre<3>();
-constexpr double kStep = 0.15;                  // radians of azimuth at first
+constexpr double kStep = 0.6;                   // radians of azimuth at first
 constexpr double kAgrees = 1e-3, kSmall = 2e-5; // of a step's light and of all so far: what may be off
 constexpr int kDeepest = 10;                    // halvings of a step
+// Heights that rows of the ribbon end at: its light reaches up to the last where b is small or below 0.
+constexpr std::array kRows{0.025, 0.08, daylight::kRibbonTop};
 const double kTopSlope = daylight::kRibbonTop / std::sqrt(1 - daylight::kRibbonTop * daylight::kRibbonTop);
 // Of how far a patch's points lie apart, what four of them may be off, and of many, over their number; of the
 // last change, what may be left. Off by this share of its light and the usual one, it is told by more points.
@@ -74,12 +77,10 @@ dvec3 RibbonLight::ofPart(const PointView::Polygon& part, dvec3 normal,
                           const PointScene::GlassBefore& glass) const {
     const Fan fan(part);
     const auto height = [](double slope) { return slope / std::sqrt(1 + slope * slope); };
-    // At one azimuth. What changes slowly with height is taken at the mean height of the light.
-    const auto along = [&](double turn) {
-        const dvec3 level(std::sin(turn), 0, -std::cos(turn));
-        const auto [low, high] = fan.slopes(level);
-        if (low >= high) return dvec3(0);
-        const auto [light, moment] = ribbon_.between(height(low), height(high));
+    // At one azimuth, between two heights. What changes slowly with height is taken at the light's mean
+    // height.
+    const auto row = [&](dvec3 level, double low, double high) {
+        const auto [light, moment] = ribbon_.between(low, high);
         if (light <= 0) return dvec3(0);
         const double z = moment / light;
         const dvec3 direction = std::sqrt(1 - z * z) * level + dvec3(0, z, 0);
@@ -87,6 +88,18 @@ dvec3 RibbonLight::ofPart(const PointView::Polygon& part, dvec3 normal,
                      around = daylight::indicatrix(sky_->formula, glm::dot(direction, sky_->shapeDirection));
         if (cosine <= 0 || around <= 0) return dvec3(0);
         return light * cosine * around * glass.transmittance(direction);
+    };
+    const auto along = [&](double turn) {
+        const dvec3 level(std::sin(turn), 0, -std::cos(turn));
+        const auto [low, high] = fan.slopes(level);
+        dvec3 sum(0);
+        if (low >= high) return sum;
+        const double top = height(high);
+        double from = height(low);
+        for (const double cut : kRows)
+            if (const double to = std::min(cut, top); from < to)
+                sum += row(level, std::exchange(from, to), to);
+        return sum;
     };
     const auto rule = [&](double from, double to) {
         dvec3 sum(0);

@@ -73,12 +73,18 @@ HorizonRibbon::Integral HorizonRibbon::between(double low, double high) const {
         if (high <= floor) return sum;
         low = floor;
     }
-    const size_t first = knotAbove(low), last = knotAbove(high);
+    const size_t first = low > floor ? knotAbove(low) : 0;
+    if (high >= kRibbonTop) { // as most openings show it: its upper end is a knot
+        if (low > floor) add(smooth(low, knots_[first]));
+        add(fromKnots_[first]);
+        return sum;
+    }
+    const size_t last = knotAbove(high);
     if (first == last) { // no knot between them
         add(smooth(low, high));
         return sum;
     }
-    add(smooth(low, knots_[first]));
+    if (low > floor) add(smooth(low, knots_[first]));
     add(fromKnots_[first]);
     add(fromKnots_[last - 1], -1);
     add(smooth(knots_[last - 1], high));
