@@ -123,14 +123,21 @@ daylight::Sky SkySource::skyAt(const daylight::Moment& moment) const {
     return *sky;
 }
 
+daylight::Moment SkySource::onClock(double utc) const {
+    return moment_.solar ? daylight::solarMoment(utc, site_.longitudeDeg)
+                         : daylight::momentFromUtc(utc, moment_.offsetMinutes);
+}
+
+daylight::SunDay SkySource::day() const {
+    return daylight::sunDay(daylight::utcSeconds(moment_, site_.longitudeDeg), site_);
+}
+
 std::string SkySource::riseAndSet() const {
-    const daylight::SunDay day = daylight::sunDay(daylight::utcSeconds(moment_, site_.longitudeDeg), site_);
+    const daylight::SunDay day = this->day();
     if (day.kind == daylight::DayKind::alwaysUp) return "it does not set that day";
     if (day.kind == daylight::DayKind::alwaysDown) return "it does not rise that day";
     const auto clock = [&](double utc) {
-        const daylight::Moment at = moment_.solar ? daylight::solarMoment(utc, site_.longitudeDeg)
-                                                  : daylight::momentFromUtc(utc, moment_.offsetMinutes);
-        const long minutes = std::lround(at.second / 60);
+        const long minutes = std::lround(onClock(utc).second / 60);
         return fmt::format("{:02}:{:02}", minutes / 60 % 24, minutes % 60);
     };
     return fmt::format("it rises at {} and sets at {}", clock(day.sunriseUtc), clock(day.sunsetUtc));
@@ -154,7 +161,17 @@ daylight::Sky SkySource::reportedSky(Run& run) const {
     if (followsTime()) {
         const daylight::SunPosition sun = sunAt(moment_);
         run.report()["time"] = daylight::formatTime(moment_);
-        run.report()["sky"]["sun"] = {{"altitude_deg", sun.altitudeDeg}, {"azimuth_deg", sun.azimuthDeg}};
+        const daylight::SunDay day = this->day();
+        const auto time = [&](double utc) -> nlohmann::json {
+            if (day.kind != daylight::DayKind::risesAndSets) return nullptr;
+            daylight::Moment at = onClock(utc);
+            at.second = std::round(at.second);
+            return daylight::formatTime(at);
+        };
+        run.report()["sky"]["sun"] = {{"altitude_deg", sun.altitudeDeg},
+                                      {"azimuth_deg", sun.azimuthDeg},
+                                      {"rise", time(day.sunriseUtc)},
+                                      {"set", time(day.sunsetUtc)}};
     } else if (sky.hasSun()) {
         const glm::dvec3 d = sky.sun.direction;
         const double azimuth = setting_.northDeg - daylight::degrees(std::atan2(-d.z, d.x));

@@ -45,6 +45,9 @@ public:
     daylight::Sky reportedSky(Run& run) const;
 
 private:
+    daylight::SunDay day() const;               // of moment()
+    daylight::Moment onClock(double utc) const; // the clock of moment()
+
     daylight::Site site_;
     daylight::Moment moment_; // as constructed: 21 March, 13:00 apparent solar time
     std::string option_;

@@ -214,6 +214,9 @@ TEST_F(Annual, illuminance_to_a_wanted_error_says_how_it_got_there) {
     EXPECT_EQ(tight["time"], "2026-03-21T13:00:00solar");
     EXPECT_NEAR(tight["sky"]["sun"]["altitude_deg"].get<double>(), 45.5, 0.3);
     EXPECT_NEAR(tight["sky"]["sun"]["azimuth_deg"].get<double>(), 201.5, 0.3);
+    // The disc is longer up than its middle without air: cos H = (sin -0.833 - sin 42.73 sin d) / (cos cos).
+    EXPECT_EQ(tight["sky"]["sun"]["rise"].get<std::string>().substr(0, 15), "2026-03-21T05:5");
+    EXPECT_EQ(tight["sky"]["sun"]["set"].get<std::string>().substr(0, 15), "2026-03-21T18:0");
     const nlohmann::json given = accuracy(" --max-error 0.001 --triangles 300");
     EXPECT_GT(given["accuracy"]["reached"].get<double>(), 0.001);
     EXPECT_EQ(given["accuracy"]["why"], "the mesh was given by --triangles");
