@@ -1,5 +1,6 @@
 // A model file -> closed rooms (geometry/model_rooms.h), of its panes as drawn or as rooms need them.
 #include <algorithm>
+#include <map>
 #include <optional>
 #include <set>
 #include <utility>
@@ -7,13 +8,17 @@
 #include <fmt/format.h>
 #include <glm/geometric.hpp>
 
+#include "geometry/counted.h"
 #include "geometry/face_soup.h"
 #include "geometry/glass_panes.h"
 #include "geometry/input_error.h"
 #include "geometry/model_faces.h"
 #include "geometry/model_file.h"
 #include "geometry/model_rooms.h"
+#include "geometry/open_sheets.h"
+#include "geometry/outline_area.h"
 #include "geometry/raw_model.h"
+#include "geometry/sheet_surroundings.h"
 #include "geometry/shell_nesting.h"
 
 namespace heliodon::geometry {
@@ -67,7 +72,59 @@ private:
     };
 
     ModelRooms rooms(const std::set<uint32_t>& made, const std::function<void()>& beforePart) const {
-        return roomsOfModel(model_, faces_, extent_, made, beforePart);
+        try {
+            return roomsOfModel(model_, faces_, extent_, made, beforePart);
+        } catch (const InputError&) {
+            auto out = roomsBesideSheets(made, beforePart);
+            if (!out) throw;
+            return std::move(*out);
+        }
+    }
+
+    // Where nothing but open sheets outside of them keeps the model from closing.
+    std::optional<ModelRooms> roomsBesideSheets(const std::set<uint32_t>& made,
+                                                const std::function<void()>& beforePart) const {
+        const auto sheets = openSheets(faces_.soup, isGlass_, kWeldOfExtent * extent_);
+        if (!sheets) return std::nullopt;
+        ModelFaces faces = faces_;
+        faces.soup = sheets->closed;
+        for (const SoupFace& sheet : sheets->open)
+            for (const bool over : {false, true}) {
+                SoupFace& side = faces.outside.emplace_back(sheet);
+                if (over)
+                    for (auto& loop : side.loops) std::ranges::reverse(loop);
+            }
+        try {
+            ModelRooms out = roomsOfModel(model_, faces, extent_, made, beforePart);
+            if (!standOutside(sheets->open, out.building, lookIn(out), kPlanarOfExtent * extent_))
+                return std::nullopt;
+            out.building.warnings.push_back(sheetsOutside(sheets->open));
+            return out;
+        } catch (const InputError&) {
+            return std::nullopt;
+        }
+    }
+
+    std::string sheetsOutside(const std::vector<SoupFace>& sheets) const {
+        std::set<uint32_t> drawn;
+        for (const SoupFace& sheet : sheets) drawn.insert(sheet.surface);
+        return fmt::format(
+            "{} (the first at {}) {} taken to stand outside, as an overhang or the ground drawn "
+            "as one plane: enclosing nothing, seen from both sides",
+            counted(drawn.size(), "open face"), model_.place(*drawn.begin()),
+            drawn.size() == 1 ? "was" : "were");
+    }
+
+    // Whether the faces of rooms are drawn so, most of their area.
+    bool lookIn(const ModelRooms& rooms) const {
+        std::map<uint32_t, glm::dvec3> drawn; // twice the area, by the face of the file
+        for (const SoupFace& face : faces_.soup) drawn[face.surface] += areaVector(face.loops[0]);
+        double inwards = 0;
+        for (size_t f = 0; f < rooms.source.size(); ++f) {
+            const glm::dvec3 area = areaVector(rooms.building.vertices, rooms.building.faces[f].loops[0]);
+            inwards += glm::dot(drawn[rooms.source[f]], area) > 0 ? glm::length(area) : -glm::length(area);
+        }
+        return inwards > 0;
     }
 
     WithGlass withGlass(ModelRooms rooms) const {

@@ -25,7 +25,7 @@ public:
 
     std::optional<SpaceParts> divide() {
         out_.sheets = cutIntoSheets(faces_, tolerance_);
-        weld();
+        out_.welded = weldSheets(out_.sheets, tolerance_);
         if (!joinSides()) return std::nullopt;
         makeParts();
         findOwners();
@@ -34,17 +34,6 @@ public:
     }
 
 private:
-    void weld() {
-        std::vector<SoupFace> soup;
-        for (size_t s = 0; s < out_.sheets.size(); ++s) {
-            SoupFace face;
-            face.loops = out_.sheets[s].loops;
-            face.surface = static_cast<uint32_t>(s);
-            soup.push_back(std::move(face));
-        }
-        out_.welded = weldFaces(soup, 1, tolerance_, true);
-    }
-
     // False where an edge has one sheet alone.
     bool joinSides() {
         struct Sector {

@@ -262,4 +262,15 @@ std::vector<Sheet> cutIntoSheets(const std::vector<SoupFace>& faces, double tole
     return SheetCutter(faces, tolerance).cut();
 }
 
+Building weldSheets(const std::vector<Sheet>& sheets, double tolerance) {
+    std::vector<SoupFace> soup;
+    for (size_t s = 0; s < sheets.size(); ++s) {
+        SoupFace face;
+        face.loops = sheets[s].loops;
+        face.surface = static_cast<uint32_t>(s);
+        soup.push_back(std::move(face));
+    }
+    return weldFaces(soup, 1, tolerance, true);
+}
+
 } // namespace heliodon::geometry

@@ -21,4 +21,7 @@ struct Sheet {
 // n^2 where all lie in one plane or in parallel ones.
 std::vector<Sheet> cutIntoSheets(const std::vector<SoupFace>& faces, double tolerance);
 
+// Sheets by common corners; Face::surface: which sheet.
+Building weldSheets(const std::vector<Sheet>& sheets, double tolerance);
+
 } // namespace heliodon::geometry

@@ -1,7 +1,11 @@
 // Rooms unlike those of the reference data: turned, with corners rounded to the digits of a file, shaded by
 // their own building, seen through one another, with sensors a hair from what they see.
+#include <array>
 #include <cmath>
+#include <fstream>
 #include <numbers>
+#include <string>
+#include <vector>
 
 #include <glm/geometric.hpp>
 #include <gtest/gtest.h>
@@ -148,6 +152,34 @@ TEST(OtherRooms, what_stands_outside_shades_windows_of_written_models) {
             EXPECT_NEAR(photometric(found.sensors[k].sky), photometric(wanted.sensors[k].sky), 2e-3 * lux);
             EXPECT_NEAR(photometric(found.sensors[k].total()), lux, 0.02 * lux); // other patches
         }
+    }
+}
+
+// An overhang drawn as one plane takes as much of the sky as a thin board does.
+TEST(OtherRooms, an_overhang_without_thickness_shades_as_a_thin_one) {
+    test::BoxRoom box{.cells = {8, 6, 10}};
+    box.isGlass = [](dvec3 p) { return p.z < 1e-9 && p.x > 1 && p.x < 3 && p.y > 1 && p.y < 2; };
+    const std::string file = testing::TempDir() + "overhang.obj";
+    const std::vector<Sensor> sensors{
+        {{2, 0.8, 1}, {0, 1, 0}}, {{2.9, 1.1, 2}, {0, 0, -1}}, {{1, 0.8, 4}, {0, 1, 0}}};
+    std::array<std::vector<double>, 3> sky; // without it, as a plane, as a board
+    for (size_t k = 0; k < 3; ++k) {
+        geometry::writeModel(test::boxRoom(box), file);
+        std::ofstream out(file, std::ios::app);
+        out << "o overhang\nusemtl wall\nv 0 2.1 -1\nv 4 2.1 -1\nv 4 2.1 -.1\nv 0 2.1 -.1\n"
+               "v 0 2.1005 -1\nv 4 2.1005 -1\nv 4 2.1005 -.1\nv 0 2.1005 -.1\n";
+        if (k > 0) out << "f -8 -7 -6 -5\n";
+        if (k > 1) out << "f -1 -2 -3 -4\nf -8 -4 -3 -7\nf -7 -3 -2 -6\nf -6 -2 -1 -5\nf -5 -1 -4 -8\n";
+        out.close();
+        DaylightTransport transport(test::device(),
+                                    geometry::meshBuilding(geometry::importModel(file), {300}));
+        transport.setSensors(sensors);
+        for (const LightParts& parts : transport.light(test::overcast()).sensors)
+            sky[k].push_back(photometric(parts.sky));
+    }
+    for (size_t s = 0; s < sensors.size(); ++s) {
+        EXPECT_NEAR(sky[1][s], sky[2][s], 5e-3 * sky[2][s]) << s;
+        EXPECT_LT(sky[1][s], 0.9 * sky[0][s]) << s;
     }
 }
 

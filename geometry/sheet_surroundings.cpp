@@ -1,0 +1,236 @@
+#include "geometry/sheet_surroundings.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <optional>
+
+#include <glm/geometric.hpp>
+
+#include "geometry/bounds.h"
+#include "geometry/box_tree.h"
+#include "geometry/clip_polygon.h"
+#include "geometry/outline_area.h"
+#include "geometry/segment_distance.h"
+#include "geometry/shell_nesting.h"
+
+namespace heliodon::geometry {
+
+namespace {
+
+using glm::dvec3;
+
+constexpr size_t kMostSamples = 400;   // triangles of sheets that are looked from
+constexpr double kEnclosed = 4.5;      // of six sides, the four about counted by their angles
+constexpr int kAzimuths = 24;          // ways that are looked along about, and
+constexpr double kLeastOfRoom = 0.25;  // of the lowest room's height: what is narrower is none
+constexpr double kOffVertical = 0.176; // tangent: up and down are four ways, not along a joint
+
+struct FlatFace {
+    dvec3 origin{0}, normal{0};
+    std::vector<std::vector<dvec3>> loops;
+    std::vector<std::array<dvec3, 3>> triangles;
+    Bounds box;
+    bool isGlass = false;
+
+    double height(dvec3 p) const { return glm::dot(p - origin, normal); }
+};
+
+std::vector<FlatFace> flatFacesOf(const Building& building) {
+    std::vector<FlatFace> out;
+    for (const Face& face : building.faces) {
+        FlatFace flat;
+        for (const auto& loop : face.loops) {
+            flat.loops.emplace_back();
+            for (const uint32_t v : loop) flat.loops.back().push_back(building.vertices[v]);
+        }
+        for (const auto& t : triangulateFace(building, face))
+            flat.triangles.push_back(
+                {building.vertices[t[0]], building.vertices[t[1]], building.vertices[t[2]]});
+        const dvec3 area = areaVector(flat.loops[0]);
+        if (!(glm::length(area) > 0)) continue;
+        flat.origin = flat.loops[0][0];
+        flat.normal = glm::normalize(area);
+        flat.box = boundsOf(flat.loops[0]);
+        flat.isGlass = !building.materials.empty() && building.materials[face.material].isOpening();
+        out.push_back(std::move(flat));
+    }
+    return out;
+}
+
+// How far along `way` the triangle is met; none where it is not.
+std::optional<double> distanceTo(const std::array<dvec3, 3>& t, dvec3 from, dvec3 way) {
+    const dvec3 u = t[1] - t[0], v = t[2] - t[0], q = glm::cross(way, v), s = from - t[0];
+    const double det = glm::dot(u, q);
+    if (det == 0) return std::nullopt;
+    const dvec3 r = glm::cross(s, u);
+    const double a = glm::dot(s, q) / det, b = glm::dot(way, r) / det, along = glm::dot(v, r) / det;
+    if (a < 0 || b < 0 || a + b > 1 || along <= 0) return std::nullopt;
+    return along;
+}
+
+class SheetJudge {
+public:
+    SheetJudge(const std::vector<SoupFace>& sheets, const Building& rooms, bool looksIn, double tolerance)
+        : sheets_(flatFacesOf(weldFaces(sheets, 1, tolerance, true))), rooms_(flatFacesOf(rooms)),
+          looksIn_(looksIn), tolerance_(tolerance) {
+        std::vector<Bounds> ofRooms(rooms.roomCount, {dvec3(1e300), dvec3(-1e300)});
+        Bounds all = ofRooms[0];
+        for (const Face& face : rooms.faces)
+            for (const uint32_t v : face.loops[0]) {
+                const dvec3 p = rooms.vertices[v];
+                for (Bounds* box : {&ofRooms[face.room], &all})
+                    *box = {glm::min(box->low, p), glm::max(box->high, p)};
+            }
+        reach_ = all.diagonal();
+        for (const Bounds& box : ofRooms) height_ = std::min(height_, (box.high - box.low).y);
+        for (const FlatFace& face : rooms_) {
+            boxes_.push_back(face.box);
+            for (const auto& t : face.triangles) shell_.push_back({t[0], t[1], t[2]});
+        }
+        for (const auto* faces : {&sheets_, &rooms_})
+            for (const FlatFace& face : *faces)
+                all_.insert(all_.end(), face.triangles.begin(), face.triangles.end());
+    }
+
+    bool areOutside() const {
+        const BoxTree tree(boxes_);
+        for (const FlatFace& sheet : sheets_) {
+            if (std::ranges::any_of(sheet.triangles,
+                                    [&](const auto& t) { return isInside(t, sheet.normal); }))
+                return false;
+            if (tree.anyHolding(sheet.box.high + tolerance_, sheet.box.low - tolerance_,
+                                [&](uint32_t i) { return meet(sheet, rooms_[i]); }))
+                return false;
+        }
+        return !encloseRoom();
+    }
+
+private:
+    // On both sides: what lies on a wall is not.
+    bool isInside(const std::array<dvec3, 3>& t, dvec3 normal) const {
+        const dvec3 middle = (t[0] + t[1] + t[2]) / 3.0;
+        return std::ranges::all_of(std::array{1.0, -1.0}, [&](double side) {
+            return crossings(shell_, middle + 2 * side * tolerance_ * normal) % 2 == 1;
+        });
+    }
+
+    bool meet(const FlatFace& sheet, const FlatFace& wall) const {
+        return anyPierces(sheet, wall) || anyPierces(wall, sheet) || (wall.isGlass && covers(sheet, wall));
+    }
+
+    // Whether an edge of one goes through the other, other than at its border.
+    bool anyPierces(const FlatFace& one, const FlatFace& other) const {
+        for (const auto& loop : one.loops)
+            for (size_t k = 0; k < loop.size(); ++k) {
+                const dvec3 a = loop[k], b = loop[(k + 1) % loop.size()];
+                const double from = other.height(a), to = other.height(b);
+                if (from * to >= 0 || std::min(std::abs(from), std::abs(to)) <= tolerance_) continue;
+                if (!std::ranges::any_of(other.triangles,
+                                         [&](const auto& t) { return distanceTo(t, a, b - a).has_value(); }))
+                    continue;
+                if (toBorder(other, a + from / (from - to) * (b - a)) > tolerance_) return true;
+            }
+        return false;
+    }
+
+    static double toBorder(const FlatFace& face, dvec3 p) {
+        double least = std::numeric_limits<double>::infinity();
+        for (const auto& loop : face.loops)
+            for (size_t k = 0; k < loop.size(); ++k)
+                least = std::min(least, distanceToSegment(p, loop[k], loop[(k + 1) % loop.size()]));
+        return least;
+    }
+
+    // In the plane of the pane and, more than by its border, over it.
+    bool covers(const FlatFace& sheet, const FlatFace& pane) const {
+        if (std::ranges::any_of(sheet.loops[0],
+                                [&](dvec3 p) { return std::abs(pane.height(p)) > tolerance_; }))
+            return false;
+        std::vector<dvec3> part, cut;
+        for (const auto& over : sheet.triangles)
+            for (const auto& t : pane.triangles) {
+                part.assign(over.begin(), over.end());
+                for (size_t k = 0; k < 3; ++k) {
+                    const dvec3 a = t[k], inwards = glm::cross(pane.normal, t[(k + 1) % 3] - a);
+                    clip<dvec3>(
+                        part, [&](dvec3 p) { return glm::dot(p - a, inwards); }, cut);
+                    std::swap(part, cut);
+                }
+                if (0.5 * glm::length(areaVector(part)) > tolerance_ * pane.box.diagonal()) return true;
+            }
+        return false;
+    }
+
+    double nearest(dvec3 from, dvec3 way) const {
+        double least = std::numeric_limits<double>::infinity();
+        for (const auto& t : all_)
+            if (const auto at = distanceTo(t, from, way)) least = std::min(least, *at);
+        return least;
+    }
+
+    bool isHidden(dvec3 from, dvec3 way) const { // no farther than the house is long
+        return std::ranges::any_of(all_, [&](const auto& t) {
+            const auto at = distanceTo(t, from, way);
+            return at && *at <= reach_;
+        });
+    }
+
+    // Before a sheet, and half-way between what is above and below, no farther than a room is high: canopies
+    // with a border and roofs with a parapet are low.
+    dvec3 middleBefore(dvec3 from, dvec3 way, double width) const {
+        const dvec3 p = from + std::min(0.5 * width, kLeastOfRoom * height_) * way, up(0, 1, 0);
+        return p + 0.5 * (std::min(nearest(p, up), height_) - std::min(nearest(p, -up), height_)) * up;
+    }
+
+    // Of six sides of a box about the point how many are closed.
+    double sidesAbout(dvec3 p) const {
+        double sides = 0;
+        for (const double up : {1.0, -1.0})
+            for (const dvec3 aside :
+                 {dvec3(1, 0, 0.3), dvec3(-0.3, 0, 1), dvec3(-1, 0, -0.3), dvec3(0.3, 0, -1)})
+                sides += isHidden(p, glm::normalize(dvec3(0, up, 0) + kOffVertical * aside)) ? 0.25 : 0;
+        for (int k = 0; k < kAzimuths; ++k) {
+            const double turn = 2 * std::numbers::pi * (k + 0.37) / kAzimuths;
+            sides += isHidden(p, {std::cos(turn), 0, std::sin(turn)}) ? 4.0 / kAzimuths : 0;
+        }
+        return sides;
+    }
+
+    bool encloseRoom() const {
+        size_t count = 0, next = 0;
+        for (const FlatFace& sheet : sheets_) count += sheet.triangles.size();
+        const size_t step = (count + kMostSamples - 1) / kMostSamples;
+        for (const FlatFace& sheet : sheets_)
+            for (const auto& t : sheet.triangles) {
+                if (next++ % step != 0) continue;
+                const dvec3 middle = (t[0] + t[1] + t[2]) / 3.0;
+                for (const double side : {1.0, -1.0}) {
+                    if (side < 0 && looksIn_) continue;
+                    const dvec3 way = side * sheet.normal, from = middle + 2 * tolerance_ * way;
+                    const double width = nearest(from, way);
+                    if (width < kLeastOfRoom * height_) continue;
+                    if (sidesAbout(middleBefore(from, way, width)) > kEnclosed) return true;
+                }
+            }
+        return false;
+    }
+
+    std::vector<FlatFace> sheets_, rooms_;
+    std::vector<Bounds> boxes_;             // of the latter
+    std::vector<ShellTriangle> shell_;      // the same
+    std::vector<std::array<dvec3, 3>> all_; // triangles of both
+    bool looksIn_;
+    double tolerance_, reach_ = 0, height_ = 1e300; // of the house, and of its lowest room
+};
+
+} // namespace
+
+bool standOutside(const std::vector<SoupFace>& sheets, const Building& rooms, bool looksIn,
+                  double tolerance) {
+    return SheetJudge(sheets, rooms, looksIn, tolerance).areOutside();
+}
+
+} // namespace heliodon::geometry

@@ -1,0 +1,18 @@
+// Whether open sheets stand outside of rooms, or are what is drawn of a room with a hole in its shell.
+#pragma once
+
+#include <vector>
+
+#include "geometry/building.h"
+#include "geometry/face_soup.h"
+
+namespace heliodon::geometry {
+
+// Whether no sheet lies in a room, crosses one or lies on its glass, and they enclose no space of a room's
+// size but for one side or less: walls and ceiling beside a closed room are a room that is not closed.
+// `looksIn`: the faces of the rooms are drawn so that they look in; what is behind a sheet's is solid then,
+// as a neighbour without its floor. Within `tolerance` (metres) all may touch. Cost: sheets times faces of
+// rooms that are near, and some hundreds of points times all triangles.
+bool standOutside(const std::vector<SoupFace>& sheets, const Building& rooms, bool looksIn, double tolerance);
+
+} // namespace heliodon::geometry

@@ -1,0 +1,232 @@
+// Sheets beside a room of 4 by 5 by 2.5 m with a window at z = 0: outside, or what is left of a room.
+#include <algorithm>
+#include <array>
+#include <fstream>
+#include <functional>
+#include <map>
+#include <sstream>
+#include <string>
+#include <tuple>
+#include <vector>
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include "geometry/input_error.h"
+#include "geometry/mesher.h"
+#include "geometry/model_file.h"
+#include "tests/geometry/mesh_volume.h"
+
+using namespace heliodon::geometry;
+using glm::dvec3;
+
+namespace {
+
+class Drawing {
+public:
+    // All faces turned over: drawn to be seen from outside, as some programs do.
+    explicit Drawing(bool over) : over_(over) {
+        std::ofstream(testing::TempDir() + "sheets.mtl")
+            << "newmtl wall\nKd .6 .6 .6\nnewmtl glass\nTf .8 .8 .8\nNi 1.52\n";
+        out_ << "mtllib sheets.mtl\n";
+    }
+
+    void face(const char* material, std::vector<dvec3> corners) {
+        if (over_) std::ranges::reverse(corners);
+        out_ << "usemtl " << material << '\n';
+        for (const dvec3 p : corners) out_ << fmt::format("v {:.9g} {:.9g} {:.9g}\n", p.x, p.y, p.z);
+        out_ << "f";
+        for (size_t k = 0; k < corners.size(); ++k) out_ << ' ' << next_++;
+        out_ << '\n';
+    }
+    // Looks along u x v.
+    void sheet(dvec3 o, dvec3 u, dvec3 v) { face("wall", {o, o + u, o + u + v, o + v}); }
+
+    // Faces that look in, each smaller by `gap` all round, without that of number `without`: floor, ceiling,
+    // left, right, back, front.
+    void room(double left, int without, bool window, double gap = 0) {
+        const dvec3 o(left, 0, 0), x(4, 0, 0), y(0, 2.5, 0), z(0, 0, 5);
+        const std::array<std::array<dvec3, 3>, 6> sides{
+            {{o, z, x}, {o + y, x, z}, {o, y, z}, {o + x, z, y}, {o + z, y, x}, {o, x, y}}};
+        for (int k = 0; k < (window ? 5 : 6); ++k) {
+            const auto [at, u, v] = sides[static_cast<size_t>(k)];
+            const dvec3 du = gap * glm::normalize(u), dv = gap * glm::normalize(v);
+            if (k != without) sheet(at + du + dv, u - 2.0 * du, v - 2.0 * dv);
+        }
+        if (!window) return;
+        const std::array<dvec3, 4> wall{o, o + x, o + x + y, o + y},
+            pane{o + dvec3(1, 0.8, 0), o + dvec3(3, 0.8, 0), o + dvec3(3, 2, 0), o + dvec3(1, 2, 0)};
+        for (size_t k = 0; k < 4; ++k) face("wall", {wall[k], wall[(k + 1) % 4], pane[(k + 1) % 4], pane[k]});
+        face("glass", {pane.begin(), pane.end()});
+    }
+
+    Building read() {
+        std::ofstream(testing::TempDir() + "sheets.obj") << out_.str();
+        return importModel(testing::TempDir() + "sheets.obj");
+    }
+
+private:
+    std::ostringstream out_;
+    bool over_;
+    int next_ = 1;
+};
+
+void ground(Drawing& drawing, double y = 0) {
+    drawing.sheet({-20, y, -20}, {0, 0, 45}, {44, 0, 0});
+}
+
+void expectOutside(Drawing& drawing, const std::string& what, const std::string& count, bool shades = true) {
+    SCOPED_TRACE(what);
+    const Building building = drawing.read();
+    EXPECT_EQ(building.roomCount, 1u);
+    EXPECT_NEAR(volume(meshBuilding(building, {300})), 50, 1e-4);
+    EXPECT_EQ(building.outside.triangles.empty(), !shades);
+    EXPECT_TRUE(std::ranges::any_of(building.warnings, [&](const std::string& warning) {
+        return warning.starts_with(count + " open face") &&
+               warning.find("stand outside") != std::string::npos;
+    }));
+}
+
+using Sheets = std::function<void(Drawing&)>;
+
+} // namespace
+
+TEST(OpenSheets, what_stands_outside_is_outside) {
+    const dvec3 x(1, 0, 0), y(0, 1, 0), z(0, 0, 1);
+    const Sheets overhang = [&](Drawing& d) { d.sheet({0, 2.5, -1}, 4.0 * x, z); };
+    const Sheets tree = [&](Drawing& d) {
+        d.sheet({1, 0, -3}, 2.0 * x, 4.0 * y);
+        d.sheet({2, 0, -4}, 2.0 * z, 4.0 * y);
+    };
+    const Sheets parapet = [&](Drawing& d) {
+        for (const auto& [o, u] : std::array{std::pair(dvec3(0), 4.0 * x), std::pair(dvec3(0), 5.0 * z),
+                                             std::pair(4.0 * x, 5.0 * z), std::pair(5.0 * z, 4.0 * x)})
+            d.sheet(o + 2.5 * y, u, y);
+    };
+    const Sheets canopy = [&](Drawing& d) { // with a border
+        d.sheet({0, 2.3, -1.2}, 4.0 * x, z);
+        d.sheet({0, 2.1, -1.2}, 4.0 * x, 0.2 * y);
+        d.sheet({0, 2.1, -1.2}, z, 0.2 * y);
+        d.sheet({4, 2.1, -1.2}, z, 0.2 * y);
+    };
+    const std::map<std::string, std::tuple<Sheets, std::string, bool>> cases{
+        {"an overhang at the top of the wall", {overhang, "1", true}},
+        {"one that hangs free",
+         {[&](Drawing& d) {
+              d.sheet({-1, 2.3, -1}, 6.0 * x, 0.9 * z);
+          },
+          "1", true}},
+        {"the ground", {[](Drawing& d) { ground(d); }, "1", false}},
+        {"the ground below", {[](Drawing& d) { ground(d, -0.2); }, "1", false}},
+        {"a tree", {tree, "2", true}},
+        {"all", {[&](Drawing& d) { overhang(d), tree(d), ground(d); }, "4", true}},
+        {"a fin",
+         {[&](Drawing& d) {
+              d.sheet({3.2, 0, -1}, z, 2.5 * y);
+          },
+          "1", true}},
+        {"a sheet on the wall's outside",
+         {[&](Drawing& d) {
+              d.sheet({4.02, 1, 1}, z, y);
+          },
+          "1", false}},
+        {"a parapet", {parapet, "4", false}},
+        {"a canopy", {canopy, "4", true}}};
+    for (const auto& [what, expected] : cases)
+        for (const bool over : {false, true}) {
+            Drawing drawing(over);
+            drawing.room(0, -1, true);
+            std::get<0>(expected)(drawing);
+            expectOutside(drawing, what, std::get<1>(expected), std::get<2>(expected));
+        }
+}
+
+// Of a face that bounds a room and goes on, what does goes on outside.
+TEST(OpenSheets, eaves_and_the_ground_as_floor_are_cut) {
+    Drawing eaves(false);
+    eaves.room(0, 1, true);
+    eaves.sheet({-1, 2.5, -1}, {6, 0, 0}, {0, 0, 7});
+    expectOutside(eaves, "eaves", "1");
+    Drawing floor(false);
+    ground(floor);
+    floor.room(0, 0, true);
+    expectOutside(floor, "ground", "1", false);
+}
+
+TEST(OpenSheets, a_neighbour_without_its_floor_stands_outside) {
+    Drawing drawing(false);
+    drawing.room(0, -1, true);
+    const dvec3 o(0, 0, -10), x(4, 0, 0), y(0, 6, 0), z(0, 0, 4);
+    for (const auto& [at, u, v] : {std::tuple(o + y, z, x), std::tuple(o, z, y), std::tuple(o + x, y, z),
+                                   std::tuple(o, y, x), std::tuple(o + z, x, y)})
+        drawing.sheet(at, u, v);
+    expectOutside(drawing, "neighbour", "5");
+}
+
+// Whichever way it is drawn, the side that the window sees hides the sky.
+TEST(OpenSheets, both_sides_of_them_shade) {
+    for (const bool over : {false, true}) {
+        Drawing drawing(false);
+        drawing.room(0, -1, true);
+        if (over)
+            drawing.sheet({0, 2.3, -1}, {0, 0, 0.9}, {4, 0, 0});
+        else
+            drawing.sheet({0, 2.3, -1}, {4, 0, 0}, {0, 0, 0.9});
+        const Occluders outside = drawing.read().outside;
+        ASSERT_EQ(outside.triangles.size(), 6u);
+        for (size_t t = 0; t < 6; t += 3) {
+            const dvec3 a = outside.vertices[outside.triangles[t]];
+            EXPECT_LT(glm::cross(outside.vertices[outside.triangles[t + 1]] - a,
+                                 outside.vertices[outside.triangles[t + 2]] - a)
+                          .y,
+                      0);
+        }
+    }
+}
+
+TEST(OpenSheets, in_rooms_and_through_their_walls_they_are_refused) {
+    const dvec3 x(1, 0, 0), y(0, 1, 0), z(0, 0, 1);
+    const std::array<Sheets, 4> cases{[&](Drawing& d) {
+                                          d.sheet({1, 1, 2}, x, z);
+                                      },
+                                      [&](Drawing& d) {
+                                          d.sheet({1, 0, 2}, x, y);
+                                      },
+                                      [&](Drawing& d) {
+                                          d.sheet({1, 1, 4}, x, 3.0 * z);
+                                      },
+                                      [](Drawing& d) { ground(d, 0.3); }};
+    for (const Sheets& sheets : cases)
+        for (const bool overhang : {false, true}) {
+            Drawing drawing(false);
+            drawing.room(0, -1, true);
+            sheets(drawing);
+            if (overhang) drawing.sheet({0, 2.5, -1}, 4.0 * x, z);
+            EXPECT_THROW(drawing.read(), InputError) << &sheets - cases.data();
+        }
+}
+
+// With a window or without, apart or behind a common wall, over the ground or not.
+TEST(OpenSheets, a_room_without_one_of_its_walls_is_no_sheet) {
+    for (int without = 0; without < 6; ++without)
+        for (const double left : {4.0, 6.0})
+            for (const bool over : {false, true}) {
+                if (left == 4 && without == 2) continue; // drawn for the other room
+                Drawing drawing(over);
+                drawing.room(0, -1, true);
+                drawing.room(left, without, without != 5 && left == 6);
+                if (over) ground(drawing, -0.1);
+                EXPECT_THROW(drawing.read(), InputError) << without << ' ' << left << ' ' << over;
+            }
+    Drawing alone(false);
+    alone.room(0, 3, true);
+    alone.sheet({0, 2.5, -1}, {4, 0, 0}, {0, 0, 1});
+    EXPECT_THROW(alone.read(), InputError);
+}
+
+TEST(OpenSheets, a_room_whose_walls_do_not_meet_is_no_sheet) {
+    Drawing drawing(false);
+    drawing.room(0, -1, true);
+    drawing.room(6, -1, false, 0.02);
+    EXPECT_THROW(drawing.read(), InputError);
+}
