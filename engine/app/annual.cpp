@@ -14,6 +14,7 @@
 #include "compute/daylight/weather.h"
 #include "compute/parallel.h"
 #include "engine/app/commands.h"
+#include "engine/app/finite_light.h"
 #include "engine/app/interrupt.h"
 #include "engine/app/light_report.h"
 #include "engine/app/output_folder.h"
@@ -353,6 +354,7 @@ void computePart(Run& run, const Job& job, compute::DaylightTransport& transport
             const StageTimer timer(run, "solve");
             annual->sensors(points, lux, sun, error);
         }
+        for (const auto* values : {&lux, &sun, &error}) expectFinite(*values, first, records);
         if (firstRecord == 0)
             for (const size_t s : transport.report().sensorsOutside) year.outside.push_back(first + s);
         const StageTimer timer(run, "metrics");

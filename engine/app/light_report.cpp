@@ -8,6 +8,7 @@
 
 #include "compute/daylight/glazing.h"
 #include "compute/point_view.h"
+#include "engine/app/finite_light.h"
 #include "engine/app/first_few.h"
 #include "engine/app/scene_input.h"
 #include "engine/app/table_file.h"
@@ -155,7 +156,10 @@ std::vector<compute::Moment> solveLights(Run& run, compute::DaylightTransport& t
                                          std::span<const daylight::Sky> skies) {
     const StageTimer timer(run, "solve");
     std::vector<compute::Moment> moments = transport.light(skies);
-    for (const compute::Moment& moment : moments) warnOfTolerance(run, moment.report);
+    for (const compute::Moment& moment : moments) {
+        expectFinite(moment);
+        warnOfTolerance(run, moment.report);
+    }
     return moments;
 }
 

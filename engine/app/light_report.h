@@ -39,6 +39,7 @@ compute::Moment solveLight(Run& run, compute::DaylightTransport& transport, cons
                            double worldPerBuilding);
 
 // Solves several at once; fills `stages.solve`, and warns of solutions that did not reach their tolerance.
+// Throws std::runtime_error where light is no finite number.
 std::vector<compute::Moment> solveLights(Run& run, compute::DaylightTransport& transport,
                                          std::span<const daylight::Sky> skies);
 

@@ -7,6 +7,7 @@
 
 #include "compute/stopwatch.h"
 #include "engine/app/commands.h"
+#include "engine/app/finite_light.h"
 #include "engine/app/frame_sink.h"
 #include "engine/app/light_report.h"
 #include "engine/app/moment.h"
@@ -89,6 +90,7 @@ private:
             before_ = sky;
         }
         std::vector<compute::Moment> moments = transport_.light(skies);
+        for (const compute::Moment& moment : moments) expectFinite(moment);
         if (tinted_) tintLight(transport_, skies, moments);
         for (compute::Moment& moment : moments) leaveOutScatter(moment.lighting);
         seconds_ += watch.seconds();
