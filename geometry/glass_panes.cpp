@@ -31,8 +31,8 @@ constexpr double kBeside = 0.1;      // of the root of a pane's area: how far fr
 constexpr double kPulledIn = 25;     // tolerances
 constexpr size_t kMostJoints = 16;   // flat panes whose joints are looked at
 constexpr double kAngle = 0.1;       // radians
-constexpr double kMostOnGlass = 0.7; // of the borders of slabs that hang together: the rest is walls
-constexpr size_t kMostTogether = 16; // slabs that hang together
+constexpr double kMostOnGlass = 0.7; // of the outer borders of slabs that hang together: the rest is walls
+constexpr size_t kMostTogether = 64; // slabs that hang together
 constexpr uint32_t kBarrier = std::numeric_limits<uint32_t>::max(); // a material that is no glass
 
 dvec3 twiceAreaVector(const SoupFace& face) {
@@ -342,40 +342,54 @@ private:
                 cluster, [&](uint32_t j) { return j == i || inOnePlane(unfit_[i], unfit_[j]); });
             shift[i] = toMiddle(unfit_[i], unfit_[first]);
         }
-        double around = 0, onGlass = 0; // lengths of borders
+        double around = 0, onGlass = 0; // lengths of borders, but for those between slabs of one plane
         for (const uint32_t i : cluster) {
-            std::vector<SoupFace> soup = soup_;
-            const auto add = [&](const std::vector<SoupFace>& faces) {
-                for (SoupFace face : faces) {
-                    face.material = kBarrier;
-                    soup.push_back(std::move(face));
-                }
+            std::vector<SoupFace> soup = soup_, beside;
+            const auto add = [&](std::vector<SoupFace> faces, std::vector<SoupFace>& to) {
+                for (SoupFace& face : faces) face.material = kBarrier;
+                to.insert(to.end(), faces.begin(), faces.end());
             };
             for (size_t k = 0; k < cluster.size(); ++k) {
                 const uint32_t j = cluster[k];
                 if (j == i) continue;
                 if (meetAtAngle(unfit_[i], unfit_[j]))
-                    add(barrierOf(unfit_[j], shift[j], kThickOfSide));
+                    add(barrierOf(unfit_[j], shift[j], kThickOfSide), soup);
                 else if (inOnePlane(unfit_[i], unfit_[j]))
-                    add(k < out.size() ? out[k] : barrierOf(unfit_[j], shift[j], 0));
+                    add(k < out.size() ? out[k] : barrierOf(unfit_[j], shift[j], 0), beside);
             }
+            const size_t angled = soup.size();
+            soup.insert(soup.end(), beside.begin(), beside.end());
+            for (const SoupFace& face : beside) addRim(face, soup); // rounding leaves a gap before the walls
             const std::function<bool(uint32_t)> isGlass = [&](uint32_t m) {
                 return m != kBarrier && isGlass_(m);
             };
             out.push_back(PaneFitter(soup, isGlass, tolerance_).fit(unfit_[i].slab.sides[0], shift[i]));
             if (out.back().empty()) return {};
-            const std::span<const SoupFace> barriers = std::span(soup).subspan(soup_.size());
+            const auto touches = [&](std::span<const SoupFace> faces, dvec3 p) {
+                return std::ranges::any_of(faces, [&](const SoupFace& face) { return liesOn(face, p); });
+            };
             for (const SoupFace& face : out.back())
                 for (size_t k = 0; k < face.loops[0].size(); ++k) {
                     const dvec3 a = face.loops[0][k], b = face.loops[0][(k + 1) % face.loops[0].size()];
+                    if (touches(beside, 0.5 * (a + b))) continue;
                     around += glm::length(b - a);
-                    if (std::ranges::any_of(
-                            barriers, [&](const SoupFace& other) { return liesOn(other, 0.5 * (a + b)); }))
+                    if (touches(std::span(soup).subspan(soup_.size(), angled - soup_.size()), 0.5 * (a + b)))
                         onGlass += glm::length(b - a);
                 }
         }
         if (onGlass > kMostOnGlass * around) return {}; // a body of its own, as an aquarium
         return out;
+    }
+
+    // Along the borders of a face, across its plane: where a pane meets that, its edges run on a little.
+    void addRim(const SoupFace& face, std::vector<SoupFace>& to) const {
+        const dvec3 across = 10 * tolerance_ * glm::normalize(twiceAreaVector(face));
+        for (const auto& loop : face.loops)
+            for (size_t k = 0; k < loop.size(); ++k) {
+                const dvec3 a = loop[k], b = loop[(k + 1) % loop.size()];
+                to.push_back(
+                    {.loops = {{a - across, b - across, b + across, a + across}}, .material = kBarrier});
+            }
     }
 
     bool liesOn(const SoupFace& face, dvec3 p) const {

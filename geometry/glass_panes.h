@@ -37,7 +37,7 @@ enum class Drawn { slabs, slabsAndFlat };
 // does, what of its two sides lies in holes (both where it is glass between two rooms). Slabs of one glass
 // side by side or nearly in one plane, as of sliding windows, that fill no hole each are one pane where they
 // do together; others that hang together, of two kinds of glass in one plane or at an angle as round a
-// corner, end at the middles of one another. A slab is a closed body whose faces are all of one glass
+// corner, end at the middles of one another, up to 64. A slab is a closed body whose faces are all of one glass
 // (`isGlass` of a material): two flat sides of one size, no farther apart than a fifth of it, and what joins
 // them between. One that fills no hole and touches other faces and slabs with its rim at most stands free,
 // smaller by 25 `tolerance` where it does. Other closed bodies of glass are no part of a room's boundary,

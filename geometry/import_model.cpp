@@ -43,11 +43,13 @@ public:
     }
 
     Building import(const std::function<void()>& beforePart) {
-        std::optional<InputError> asDrawn;
+        std::optional<InputError> asDrawn, blocks;
         auto made = importPanes(Drawn::slabs, beforePart);
         if (!made && !insideOut_) {
             try {
-                made = withGlass(rooms({}, beforePart));
+                ModelRooms drawn = rooms({}, beforePart);
+                blocks = touchingBlocks(drawn);
+                if (!blocks) made = withGlass(std::move(drawn));
             } catch (const InputError& error) {
                 asDrawn = error;
             }
@@ -56,6 +58,7 @@ public:
         auto fitted = importPanes(Drawn::slabsAndFlat, beforePart);
         if (fitted && (!made || fitted->panes > made->panes)) return std::move(fitted->building);
         if (made && made->panes > 0) return std::move(made->building);
+        if (blocks) throw *blocks;
         if (whyNoPane_) throw *whyNoPane_;
         if (asDrawn) throw *asDrawn;
         throw InputError(
@@ -125,6 +128,23 @@ private:
             inwards += glm::dot(drawn[rooms.source[f]], area) > 0 ? glm::length(area) : -glm::length(area);
         }
         return inwards > 0;
+    }
+
+    // Bodies of glass side by side that are no panes: light would pass each twice, and from one to the next.
+    std::optional<InputError> touchingBlocks(const ModelRooms& rooms) const {
+        const Building& building = rooms.building;
+        std::vector<bool> isBlock(building.roomCount, true); // all its faces are glass
+        for (const Face& face : building.faces)
+            if (!isGlass_(face.material)) isBlock[face.room] = false;
+        for (size_t f = 0; f < building.faces.size(); ++f) {
+            const Face& face = building.faces[f];
+            if (face.twin != kNoTwin && isBlock[face.room] &&
+                isBlock[building.faces[static_cast<size_t>(face.twin)].room])
+                return InputError(model_.file, model_.place(rooms.source[f]),
+                                  "bodies of glass that touch, mitred or too many, fill no hole together: "
+                                  "expected slabs that end on one another's sides, or flat panes");
+        }
+        return std::nullopt;
     }
 
     WithGlass withGlass(ModelRooms rooms) const {

@@ -396,12 +396,40 @@ TEST(GlassPanes, of_two_kinds_in_one_hole) {
     EXPECT_NEAR(volume(meshBuilding(building, {500})), 30 + 2.4 * 0.115, 1e-4);
 }
 
-// One ends at the other, whose end is seen.
-TEST(GlassPanes, round_a_corner_without_a_post) {
-    const auto across = [](double z0, double z1, double y0, double y1, double x) {
-        return Corners{{x, y0, z0}, {x, y0, z1}, {x, y1, z1}, {x, y1, z0}};
-    };
-    Drawing drawing;
+// By turns, in a wall without thickness and in the middle of a thick one.
+TEST(GlassPanes, many_of_two_kinds_in_one_hole) {
+    for (const auto& [columns, rows] : std::vector<std::pair<int, int>>{{6, 1}, {12, 1}, {4, 4}, {6, 3}})
+        for (const bool thick : {false, true}) {
+            Drawing drawing;
+            if (thick)
+                drawThickWalls(drawing);
+            else
+                drawRoom(drawing, 0, 3);
+            const double z = thick ? -0.12 : -0.01, x = 2.0 / columns, y = 1.2 / rows;
+            for (int i = 0; i < columns; ++i)
+                for (int j = 0; j < rows; ++j) {
+                    const auto side = [&](double at) {
+                        return rectangle(1 + i * x, 1 + (i + 1) * x, 0.8 + j * y, 0.8 + (j + 1) * y, at);
+                    };
+                    drawing.slab(side(z), side(z + 0.02), (i + j) % 2 == 0 ? "dark" : "glass");
+                }
+            SCOPED_TRACE(fmt::format("{} {} {}", columns, rows, thick));
+            const Building building = drawing.read();
+            EXPECT_EQ(building.roomCount, 1u);
+            EXPECT_NEAR(glassOf(building), 2.4, 1e-6);
+            EXPECT_NEAR(glassOf(building, false, "dark"), 1.2, 1e-6);
+            EXPECT_NEAR(volume(meshBuilding(building, {500})), 30 + (thick ? 2.4 * 0.11 : 0), 1e-4);
+        }
+}
+
+namespace {
+
+Corners across(double z0, double z1, double y0, double y1, double x) {
+    return {{x, y0, z0}, {x, y0, z1}, {x, y1, z1}, {x, y1, z0}};
+}
+
+// 30 m3 with a hole 2 m wide on both sides of the corner at x = 4, z = 0.
+void drawRoomWithOpenCorner(Drawing& drawing) {
     for (const auto& [y0, y1, end] : {std::array{0.0, 0.8, 0.0}, {0.8, 2.0, 2.0}, {2.0, 2.5, 0.0}}) {
         drawing.face("wall", rectangle(0, end == 0 ? 4 : 2, y0, y1, 0));
         drawing.face("wall", across(end, 3, y0, y1, 4));
@@ -409,6 +437,14 @@ TEST(GlassPanes, round_a_corner_without_a_post) {
     drawing.face("wall", turned(rectangle(0, 4, 0, 2.5, 3)));
     drawing.face("wall", turned(across(0, 3, 0, 2.5, 0)));
     for (const double y : {0.0, 2.5}) drawing.face("wall", {{0, y, 0}, {4, y, 0}, {4, y, 3}, {0, y, 3}});
+}
+
+} // namespace
+
+// One ends at the other, whose end is seen.
+TEST(GlassPanes, round_a_corner_without_a_post) {
+    Drawing drawing;
+    drawRoomWithOpenCorner(drawing);
     drawing.slab(rectangle(2, 3.99, 0.8, 2, -0.01), rectangle(2, 3.99, 0.8, 2, 0.01));
     drawing.slab(across(-0.01, 2, 0.8, 2, 3.99), across(-0.01, 2, 0.8, 2, 4.01));
     expectPanes(drawing, 1, 4.8, 30, "2 slabs of glass taken as panes");
@@ -426,6 +462,15 @@ void expectRefusal(Drawing& drawing, const std::string& why) {
 }
 
 } // namespace
+
+// As drawn each would be a room that light passes.
+TEST(GlassPanes, mitred_round_a_corner_are_refused_as_that) {
+    Drawing drawing;
+    drawRoomWithOpenCorner(drawing);
+    drawing.slab(rectangle(2, 4.01, 0.8, 2, -0.01), rectangle(2, 3.99, 0.8, 2, 0.01));
+    drawing.slab(across(0.01, 2, 0.8, 2, 3.99), across(-0.01, 2, 0.8, 2, 4.01));
+    expectRefusal(drawing, "mitred");
+}
 
 // Where it would turn walls and air round, as where it only leaves the room open.
 TEST(GlassPanes, that_fill_no_hole_are_refused_with_the_gap) {
