@@ -202,7 +202,7 @@ double EdgeSampler::sizeOf(uint32_t corner) const {
 void EdgeSampler::choose(double edge, const Grading& grading) {
     edge_ = edge;
     grading_ = grading;
-    if (edge > reach_) findNearCorners(2 * edge);
+    if (std::isfinite(grading.growth) && edge > reach_) findNearCorners(2 * edge);
     eased_.assign(surroundings_.size(), kInfinity);
     for (SampledEdge& e : edges_) {
         e.even = e.graded = false;
@@ -434,7 +434,7 @@ std::vector<std::pair<double, double>> EdgeSampler::stepsAlong(const SampledEdge
     const glm::dvec3 a = position(edge.a), d = position(edge.b) - a;
     std::vector<std::pair<glm::dvec3, double>> sources;
     for (const NearCorner& near : edge.nearCorners) {
-        if (near.least >= largest) break;
+        if (near.least >= largest || !std::isfinite(grading_.growth)) break;
         const double size = sizeOf(near.corner);
         if (size + grading_.growth * near.distance < largest)
             sources.emplace_back(position(near.corner), size);
