@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <vector>
 
 #include "geometry/plan_arrangement.h"
@@ -26,26 +27,38 @@ void absorbThinCells(const PlanArrangement& map, std::vector<int>& labels, doubl
 // segment of that tag is an edge of one of them.
 template<class IsEdge> std::vector<int> coverage(const PlanArrangement& map, IsEdge isEdge);
 
+// The same of all polygons at once, each with a tag of its own from 0 on: per cell how many times each lies
+// over it, none where that is 0. Cost: cells times what lies over one.
+std::vector<std::map<int32_t, int>> coverageByTag(const PlanArrangement& map);
+
 // Signed area of each cell, net of its holes; the unbounded cell's is minus the rest.
 std::vector<double> cellAreas(const PlanArrangement& map);
 
-template<class IsEdge> std::vector<int> coverage(const PlanArrangement& map, IsEdge isEdge) {
-    constexpr int kUnknown = -1000000;
+// Calls step(from, to, h) for each cell but the unbounded one, after that of the cell `from` that half-edge h
+// has on its left, `to` on its right.
+template<class Step> void walkCells(const PlanArrangement& map, const Step& step) {
     std::vector<std::vector<uint32_t>> halves(map.cellCount);
     for (uint32_t h = 0; h < map.cell.size(); ++h) halves[map.cell[h]].push_back(h);
-    std::vector<int> depth(map.cellCount, kUnknown);
+    std::vector<bool> known(map.cellCount, false);
     std::vector<uint32_t> queue{0};
-    depth[0] = 0;
+    known[0] = true;
     for (size_t i = 0; i < queue.size(); ++i)
         for (const uint32_t h : halves[queue[i]]) {
             const uint32_t other = map.cell[h ^ 1u];
-            if (depth[other] != kUnknown) continue;
-            int change = 0; // from the right of h to its left
-            for (const PlanArrangement::Tag& tag : map.tags[h / 2])
-                if (isEdge(tag.tag)) change += tag.forward == (h % 2 == 0) ? 1 : -1;
-            depth[other] = depth[queue[i]] - change;
+            if (known[other]) continue;
+            known[other] = true;
+            step(queue[i], other, h);
             queue.push_back(other);
         }
+}
+
+template<class IsEdge> std::vector<int> coverage(const PlanArrangement& map, IsEdge isEdge) {
+    std::vector<int> depth(map.cellCount, 0);
+    walkCells(map, [&](uint32_t from, uint32_t to, uint32_t h) {
+        depth[to] = depth[from];
+        for (const PlanArrangement::Tag& tag : map.tags[h / 2])
+            if (isEdge(tag.tag)) depth[to] -= tag.forward == (h % 2 == 0) ? 1 : -1;
+    });
     return depth;
 }
 

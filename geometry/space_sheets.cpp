@@ -223,12 +223,12 @@ private:
 
     std::vector<Drawn> drawnOver(const PlanArrangement& map, const Plane& plane) const { // per cell
         std::vector<Drawn> drawn(map.cellCount);
-        for (size_t k = 0; k < plane.faces.size(); ++k) {
-            const Face& face = welded_.faces[plane.faces[k]];
-            const auto depth = coverage(map, [&](int32_t tag) { return tag == static_cast<int32_t>(k); });
-            for (uint32_t c = 1; c < map.cellCount; ++c)
-                if (depth[c] > 0) drawn[c][sideOf(face, plane)].push_back(face.surface);
-        }
+        const auto depth = coverageByTag(map);
+        for (uint32_t c = 1; c < map.cellCount; ++c)
+            for (const auto& [k, times] : depth[c]) {
+                const Face& face = welded_.faces[plane.faces[static_cast<size_t>(k)]];
+                if (times > 0) drawn[c][sideOf(face, plane)].push_back(face.surface);
+            }
         return drawn;
     }
 
