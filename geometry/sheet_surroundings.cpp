@@ -26,6 +26,7 @@ constexpr size_t kMostSamples = 400;   // triangles of sheets that are looked fr
 constexpr double kEnclosed = 4.5;      // of six sides, the four about counted by their angles
 constexpr int kAzimuths = 24;          // ways that are looked along about, and
 constexpr double kLeastOfRoom = 0.25;  // of the lowest room's height: what is narrower is none
+constexpr double kLeastWalls = 0.5;    // of its square: so much of a room's walls; leaves of a tree have less
 constexpr double kOffVertical = 0.176; // tangent: up and down are four ways, not along a joint
 
 struct FlatFace {
@@ -199,23 +200,26 @@ private:
         return sides;
     }
 
+    bool enclosesRoom(dvec3 middle, dvec3 way) const { // the side of a sheet there
+        const dvec3 from = middle + 2 * tolerance_ * way;
+        const double width = nearest(from, way);
+        return width >= kLeastOfRoom * height_ && sidesAbout(middleBefore(from, way, width)) > kEnclosed;
+    }
+
     bool encloseRoom() const {
         size_t count = 0, next = 0;
         for (const FlatFace& sheet : sheets_) count += sheet.triangles.size();
         const size_t step = (count + kMostSamples - 1) / kMostSamples;
+        double area = 0; // of sides that do
         for (const FlatFace& sheet : sheets_)
             for (const auto& t : sheet.triangles) {
                 if (next++ % step != 0) continue;
-                const dvec3 middle = (t[0] + t[1] + t[2]) / 3.0;
-                for (const double side : {1.0, -1.0}) {
-                    if (side < 0 && looksIn_) continue;
-                    const dvec3 way = side * sheet.normal, from = middle + 2 * tolerance_ * way;
-                    const double width = nearest(from, way);
-                    if (width < kLeastOfRoom * height_) continue;
-                    if (sidesAbout(middleBefore(from, way, width)) > kEnclosed) return true;
-                }
+                for (const double side : {1.0, -1.0})
+                    if ((side > 0 || !looksIn_) &&
+                        enclosesRoom((t[0] + t[1] + t[2]) / 3.0, side * sheet.normal))
+                        area += 0.5 * glm::length(areaVector(t)) * static_cast<double>(step);
             }
-        return false;
+        return area > kLeastWalls * height_ * height_;
     }
 
     std::vector<FlatFace> sheets_, rooms_;
