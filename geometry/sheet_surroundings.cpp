@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <numbers>
 #include <optional>
 
@@ -12,8 +13,10 @@
 #include "geometry/bounds.h"
 #include "geometry/box_tree.h"
 #include "geometry/clip_polygon.h"
+#include "geometry/disjoint_sets.h"
 #include "geometry/outline_area.h"
 #include "geometry/segment_distance.h"
+#include "geometry/shell_faces.h"
 #include "geometry/shell_nesting.h"
 
 namespace heliodon::geometry {
@@ -27,9 +30,12 @@ constexpr double kEnclosed = 4.5;      // of six sides, the four about counted b
 constexpr int kAzimuths = 24;          // ways that are looked along about, and
 constexpr double kLeastOfRoom = 0.25;  // of the lowest room's height: what is narrower is none
 constexpr double kLeastWalls = 0.5;    // of its square: so much of a room's walls; leaves of a tree have less
+constexpr double kSteep = 0.7;         // of a normal's height: walls are
+constexpr double kLeastSteep = 0.1;    // of the area of what has walls
 constexpr double kOffVertical = 0.176; // tangent: up and down are four ways, not along a joint
 
 struct FlatFace {
+    uint32_t face = 0; // of the building
     dvec3 origin{0}, normal{0};
     std::vector<std::vector<dvec3>> loops;
     std::vector<std::array<dvec3, 3>> triangles;
@@ -43,6 +49,7 @@ std::vector<FlatFace> flatFacesOf(const Building& building) {
     std::vector<FlatFace> out;
     for (const Face& face : building.faces) {
         FlatFace flat;
+        flat.face = static_cast<uint32_t>(&face - building.faces.data());
         for (const auto& loop : face.loops) {
             flat.loops.emplace_back();
             for (const uint32_t v : loop) flat.loops.back().push_back(building.vertices[v]);
@@ -74,9 +81,8 @@ std::optional<double> distanceTo(const std::array<dvec3, 3>& t, dvec3 from, dvec
 
 class SheetJudge {
 public:
-    SheetJudge(const std::vector<SoupFace>& sheets, const Building& rooms, bool looksIn, double tolerance)
-        : sheets_(flatFacesOf(weldFaces(sheets, 1, tolerance, true))), rooms_(flatFacesOf(rooms)),
-          looksIn_(looksIn), tolerance_(tolerance) {
+    SheetJudge(const Building& sheets, const Building& rooms, bool looksIn, double tolerance)
+        : sheets_(flatFacesOf(sheets)), rooms_(flatFacesOf(rooms)), looksIn_(looksIn), tolerance_(tolerance) {
         std::vector<Bounds> ofRooms(rooms.roomCount, {dvec3(1e300), dvec3(-1e300)});
         Bounds all = ofRooms[0];
         for (const Face& face : rooms.faces)
@@ -85,7 +91,7 @@ public:
                 for (Bounds* box : {&ofRooms[face.room], &all})
                     *box = {glm::min(box->low, p), glm::max(box->high, p)};
             }
-        reach_ = all.diagonal();
+        setReach(sheets, all.diagonal());
         for (const Bounds& box : ofRooms) height_ = std::min(height_, (box.high - box.low).y);
         for (const FlatFace& face : rooms_) {
             boxes_.push_back(face.box);
@@ -110,6 +116,32 @@ public:
     }
 
 private:
+    // Per sheet, the length of the house, or of what the sheet hangs together with where that has walls: a
+    // hall may be longer than the house, but the ground is no floor of a room with the houses across the
+    // street for walls.
+    void setReach(const Building& sheets, double house) {
+        struct Whole {
+            Bounds box{dvec3(1e300), dvec3(-1e300)};
+            double area = 0, steep = 0;
+        };
+        DisjointSets sets(sheets.faces.size());
+        for (const auto& [edge, faces] : facesOfEdges(sheets))
+            for (const uint32_t f : faces) sets.join(f, faces[0]);
+        std::map<uint32_t, Whole> wholes; // by root
+        for (const FlatFace& sheet : sheets_) {
+            Whole& whole = wholes[sets.root(sheet.face)];
+            whole.box = {glm::min(whole.box.low, sheet.box.low), glm::max(whole.box.high, sheet.box.high)};
+            const double area = glm::length(areaVector(sheet.loops[0]));
+            whole.area += area;
+            if (std::abs(sheet.normal.y) < kSteep) whole.steep += area;
+        }
+        for (const FlatFace& sheet : sheets_) {
+            const Whole& whole = wholes[sets.root(sheet.face)];
+            const bool hasWalls = whole.steep > kLeastSteep * whole.area;
+            reach_.push_back(hasWalls ? std::max(house, whole.box.diagonal()) : house);
+        }
+    }
+
     // On both sides: what lies on a wall is not.
     bool isInside(const std::array<dvec3, 3>& t, dvec3 normal) const {
         const dvec3 middle = (t[0] + t[1] + t[2]) / 3.0;
@@ -172,10 +204,10 @@ private:
         return least;
     }
 
-    bool isHidden(dvec3 from, dvec3 way) const { // no farther than the house is long
+    bool isHidden(dvec3 from, dvec3 way, double reach) const {
         return std::ranges::any_of(all_, [&](const auto& t) {
             const auto at = distanceTo(t, from, way);
-            return at && *at <= reach_;
+            return at && *at <= reach;
         });
     }
 
@@ -187,23 +219,25 @@ private:
     }
 
     // Of six sides of a box about the point how many are closed.
-    double sidesAbout(dvec3 p) const {
+    double sidesAbout(dvec3 p, double reach) const {
         double sides = 0;
         for (const double up : {1.0, -1.0})
             for (const dvec3 aside :
                  {dvec3(1, 0, 0.3), dvec3(-0.3, 0, 1), dvec3(-1, 0, -0.3), dvec3(0.3, 0, -1)})
-                sides += isHidden(p, glm::normalize(dvec3(0, up, 0) + kOffVertical * aside)) ? 0.25 : 0;
+                sides +=
+                    isHidden(p, glm::normalize(dvec3(0, up, 0) + kOffVertical * aside), reach) ? 0.25 : 0;
         for (int k = 0; k < kAzimuths; ++k) {
             const double turn = 2 * std::numbers::pi * (k + 0.37) / kAzimuths;
-            sides += isHidden(p, {std::cos(turn), 0, std::sin(turn)}) ? 4.0 / kAzimuths : 0;
+            sides += isHidden(p, {std::cos(turn), 0, std::sin(turn)}, reach) ? 4.0 / kAzimuths : 0;
         }
         return sides;
     }
 
-    bool enclosesRoom(dvec3 middle, dvec3 way) const { // the side of a sheet there
+    bool enclosesRoom(dvec3 middle, dvec3 way, double reach) const { // the side of a sheet there
         const dvec3 from = middle + 2 * tolerance_ * way;
         const double width = nearest(from, way);
-        return width >= kLeastOfRoom * height_ && sidesAbout(middleBefore(from, way, width)) > kEnclosed;
+        return width >= kLeastOfRoom * height_ &&
+               sidesAbout(middleBefore(from, way, width), reach) > kEnclosed;
     }
 
     bool encloseRoom() const {
@@ -211,12 +245,12 @@ private:
         for (const FlatFace& sheet : sheets_) count += sheet.triangles.size();
         const size_t step = (count + kMostSamples - 1) / kMostSamples;
         double area = 0; // of sides that do
-        for (const FlatFace& sheet : sheets_)
-            for (const auto& t : sheet.triangles) {
+        for (size_t k = 0; k < sheets_.size(); ++k)
+            for (const auto& t : sheets_[k].triangles) {
                 if (next++ % step != 0) continue;
                 for (const double side : {1.0, -1.0})
                     if ((side > 0 || !looksIn_) &&
-                        enclosesRoom((t[0] + t[1] + t[2]) / 3.0, side * sheet.normal))
+                        enclosesRoom((t[0] + t[1] + t[2]) / 3.0, side * sheets_[k].normal, reach_[k]))
                         area += 0.5 * glm::length(areaVector(t)) * static_cast<double>(step);
             }
         return area > kLeastWalls * height_ * height_;
@@ -227,14 +261,15 @@ private:
     std::vector<ShellTriangle> shell_;      // the same
     std::vector<std::array<dvec3, 3>> all_; // triangles of both
     bool looksIn_;
-    double tolerance_, reach_ = 0, height_ = 1e300; // of the house, and of its lowest room
+    double tolerance_, height_ = 1e300; // the latter of the lowest room
+    std::vector<double> reach_;         // per sheet: how far off what it sees may be its room's
 };
 
 } // namespace
 
 bool standOutside(const std::vector<SoupFace>& sheets, const Building& rooms, bool looksIn,
                   double tolerance) {
-    return SheetJudge(sheets, rooms, looksIn, tolerance).areOutside();
+    return SheetJudge(weldFaces(sheets, 1, tolerance, true), rooms, looksIn, tolerance).areOutside();
 }
 
 } // namespace heliodon::geometry

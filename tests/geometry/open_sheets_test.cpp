@@ -224,6 +224,24 @@ TEST(OpenSheets, a_room_without_one_of_its_walls_is_no_sheet) {
     EXPECT_THROW(alone.read(), InputError);
 }
 
+// However much larger than the closed one; three walls of four are a yard.
+TEST(OpenSheets, a_hall_without_its_ceiling_is_no_sheet) {
+    for (const bool yard : {false, true}) {
+        Drawing drawing(false);
+        drawing.room(0, -1, true);
+        const dvec3 o(6, 0, 0), x(20, 0, 0), y(0, 3, 0), z(0, 0, 20);
+        for (const auto& [at, u, v] :
+             {std::tuple(o, z, x), std::tuple(o, y, z), std::tuple(o + x, z, y), std::tuple(o + z, y, x)})
+            drawing.sheet(at, u, v);
+        if (yard) {
+            expectOutside(drawing, "a yard", "4", false);
+            continue;
+        }
+        drawing.sheet(o, x, y);
+        EXPECT_THROW(drawing.read(), InputError);
+    }
+}
+
 TEST(OpenSheets, a_room_whose_walls_do_not_meet_is_no_sheet) {
     Drawing drawing(false);
     drawing.room(0, -1, true);
