@@ -306,6 +306,7 @@ std::vector<SoupFace> PaneFitter::fit(std::span<const uint32_t> pane, dvec3 shif
             face.loops.emplace_back();
             for (const dvec2 p : outline) face.loops.back().push_back(plane.back(p));
         }
+        if (2 * size <= tolerance_ * perimeter(face.loops[0])) continue; // what rounding leaves beside others
         // In a bar; but what most of the pane lies in is a room.
         const auto holds = [&](const std::vector<Ends>& solid) { return isInside(solid, within); };
         if (size < kLeastPart * area && std::ranges::any_of(solids, holds)) continue;
