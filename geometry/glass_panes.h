@@ -37,14 +37,14 @@ enum class Drawn { slabs, slabsAndFlat };
 // does, what of its two sides lies in holes (both where it is glass between two rooms). Slabs of one glass
 // side by side or nearly in one plane, as of sliding windows, that fill no hole each are one pane where they
 // do together; others that hang together, of two kinds of glass in one plane or at an angle as round a
-// corner, end at the middles of one another, up to 64. A slab is a closed body whose faces are all of one glass
-// (`isGlass` of a material): two flat sides of one size, no farther apart than a fifth of it, and what joins
-// them between. One that fills no hole and touches other faces and slabs with its rim at most stands free,
-// smaller by 25 `tolerance` where it does. Other closed bodies of glass are no part of a room's boundary,
-// unless they lie beside the box round all that is no glass. Drawn::slabsAndFlat: so also flat panes that are
-// larger or smaller than their hole. Corners are one within `tolerance` (metres). None where nothing is to be
-// changed. Cost: O(n log n) for n faces, for each pane what is near it, and m^2 for m panes that fill no
-// hole.
+// corner, up to 64, end at the middles of one another. A slab is a closed body whose faces are all of one
+// glass (`isGlass` of a material): two flat sides of one size, no farther apart than a fifth of it, and what
+// joins them between. One that fills no hole and touches other faces and slabs with its rim at most stands
+// free, smaller by 25 `tolerance` where it does. Other closed bodies of glass are no part of a room's
+// boundary, unless they lie beside the box round all that is no glass. Drawn::slabsAndFlat: so also flat
+// panes that are larger or smaller than their hole. Corners are one within `tolerance` (metres). None where
+// nothing is to be changed. Cost: O(n log n) for n faces, for each pane what is near it, and m^2 for m panes
+// that fill no hole.
 std::optional<PanesInHoles> panesInHoles(const std::vector<SoupFace>& soup,
                                          const std::function<bool(uint32_t)>& isGlass, double tolerance,
                                          Drawn drawn);
