@@ -178,7 +178,10 @@ ProjectorBlend blendProjectors(const ProjectorMesh& mesh, const PatchMesh& patch
                 if (mesh.visible[reached]) pairs.emplace_back(reached, border);
             });
         }
-    ProjectorBlend blend{mesh.visible, std::vector<uint32_t>(mesh.triangleCount() + 1), {}};
+    ProjectorBlend blend{std::vector<double>(centres.size(), 1.0),
+                         mesh.visible,
+                         std::vector<uint32_t>(mesh.triangleCount() + 1),
+                         {}};
     for (const auto& [t, border] : pairs) ++blend.first[t + 1];
     for (size_t t = 0; t < mesh.triangleCount(); ++t) blend.first[t + 1] += blend.first[t];
     std::vector<uint32_t> at = blend.first;
@@ -215,7 +218,7 @@ std::vector<double> blendShares(const ProjectorBlend& blend, size_t triangle, gl
                 double& nearest = border.right == 0 ? end : distance;
                 nearest = std::min(nearest, distanceToSegment(point, border.from, border.to));
             }
-        shares[p] = fadeAt(distance, end) * steepnessAt(point, normal, centres[p]);
+        shares[p] = fadeAt(distance, end) * blend.candela[p] * steepnessAt(point, normal, centres[p]);
         sum += shares[p];
     }
     for (double& share : shares)

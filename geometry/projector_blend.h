@@ -33,6 +33,7 @@ struct BlendBorder {
 };
 
 struct ProjectorBlend {
+    std::vector<double> candela;   // of each projector's white
     std::vector<uint32_t> visible; // per triangle: those that see it, as bits
     std::vector<uint32_t> first;   // per triangle, and one more: into `borders`
     // Those of the triangle's surface that come within the falloff of it, on foot over triangles that they
@@ -45,8 +46,8 @@ struct ProjectorBlend {
     }
 };
 
-// `patches`: what `mesh` was split from; `centres`: of the projectors. Cost: a millisecond for a room of six
-// walls at 2000 patches.
+// Of projectors that are equally bright; `candela` may be set afterwards. `patches`: what `mesh` was split
+// from; `centres`: of the projectors. Cost: a millisecond for a room of six walls at 2000 patches.
 ProjectorBlend blendProjectors(const ProjectorMesh& mesh, const PatchMesh& patches,
                                std::span<const glm::dvec3> centres);
 
@@ -56,7 +57,8 @@ void keepOnly(ProjectorBlend& blend, uint32_t projectors);
 // cos / r^2, lux at a point per candela of a projector; the cosine is at least kBlendLeastCosine.
 double steepnessAt(glm::dvec3 point, glm::dvec3 normal, glm::dvec3 centre);
 
-// The share of each projector at a point of a triangle, in proportion to its fade and its steepness.
+// The share of each projector at a point of a triangle, in proportion to its fade and to the light that its
+// white gives there: within all fades, all are driven alike, so that what they reach together is most.
 // `normal`: of the surface, smooth over its facets; `centres`: of the projectors. All zero where none sees
 // the triangle. shaders/gain.frag has both, with the constants above.
 std::vector<double> blendShares(const ProjectorBlend& blend, size_t triangle, glm::dvec3 point,

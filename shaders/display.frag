@@ -78,15 +78,17 @@ vec3 around(vec2 at) {
 void main() {
     ivec2 pixel = ivec2(gl_FragCoord.xy);
     vec3 sum = vec3(0);
+    vec3 warped = vec3(0);
     if (kProjector) {
-        sum = around(texelFetch(warp, pixel.y * int(params.outputWidth) + pixel.x).rg);
+        warped = texelFetch(warp, pixel.y * int(params.outputWidth) + pixel.x).rgb;
+        sum = around(warped.xy);
     } else {
         for (int i = 0; i < kSupersample * kSupersample; ++i)
             sum += shown(kSupersample * pixel + ivec2(i % kSupersample, i / kSupersample));
     }
     sum /= float(kSupersample * kSupersample);
     if (kTone != kToneRaw) {
-        if (kProjector) sum = clamp((sum - params.blackLevel) / (1.0 - params.blackLevel), 0.0, 1.0);
+        if (kProjector) sum = clamp((sum - warped.z) / (1.0 - params.blackLevel), 0.0, 1.0);
         if (kGamma) sum = pow(sum, vec3(1.0 / params.gamma));
     }
     colour = vec4(sum, 1);

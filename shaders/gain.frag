@@ -1,5 +1,6 @@
 // The gain by which light becomes a projector's intensity (metres squared): share r^2 / (rho cos theta), after
-// R. Raskar et al., "Shader Lamps" (2001). It changes with the geometry alone, and is drawn once for it.
+// R. Raskar et al., "Shader Lamps" (2001). It changes with the geometry alone, and is drawn once for it; so is, with
+// `leaks`, the part of a projector in taking away what all of them leak: what is black is as bright as they are many.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
@@ -8,7 +9,7 @@
 layout(location = 0) in vec3 pointInWorld;
 layout(location = 1) in vec3 smoothNormal;
 layout(location = 2) flat in uint triangle;
-layout(set = 0, binding = 0, scalar) readonly buffer Centres { vec3 centres[]; }; // of the projectors
+layout(set = 0, binding = 0, scalar) readonly buffer Projectors { BlendProjector projectors[]; };
 layout(set = 0, binding = 1, scalar) readonly buffer Triangles { BlendTriangle triangles[]; };
 layout(set = 0, binding = 2, scalar) readonly buffer Borders { BlendBorder borders[]; };
 layout(push_constant, scalar) uniform Push { GainParams params; };
@@ -23,7 +24,7 @@ float distanceToSegment(vec3 p, vec3 from, vec3 to) {
 
 // cos / r^2.
 float steepness(uint projector) {
-    vec3 towards = centres[projector] - pointInWorld;
+    vec3 towards = projectors[projector].centre - pointInWorld;
     float r2 = dot(towards, towards);
     return max(dot(normalize(smoothNormal), towards) * inversesqrt(r2), params.leastCosine) / r2;
 }
@@ -47,12 +48,14 @@ void main() {
     uint visible = triangles[triangle].visible;
     colour = vec4(0);
     if ((visible >> params.projector & 1u) == 0u) return;
-    float all = 0.0, own = 0.0;
+    float all = 0.0, own = 0.0, leaked = 0.0;
     for (uint p = 0u; p < params.projectorCount; ++p) {
         if ((visible >> p & 1u) == 0u) continue;
-        float weight = fade(p) * steepness(p);
+        float weight = fade(p) * projectors[p].candela * steepness(p);
         all += weight;
         if (p == params.projector) own = weight;
+        leaked += projectors[p].leak * params.shownReflectance * steepness(p);
     }
     colour.a = own / (all * params.shownReflectance * steepness(params.projector));
+    if (params.leaks != 0u) colour.a *= leaked;
 }

@@ -96,7 +96,8 @@ void DisplayPass::record(gpu::Commands& commands, const gpu::Image& scene, const
     vkCmdBeginRendering(buffer, &info);
     const VkViewport viewport{0, 0, static_cast<float>(size.width), static_cast<float>(size.height), 0, 1};
     vkCmdSetViewport(buffer, 0, 1, &viewport);
-    draw.bind(buffer, {gpu::sampled(scene, sampler_), gpu::texel(warp, VK_FORMAT_R32G32_SFLOAT)}, params);
+    draw.bind(buffer, {gpu::sampled(scene, sampler_), gpu::texel(warp, VK_FORMAT_R32G32B32A32_SFLOAT)},
+              params);
     for (const PixelRect& part : view.parts) {
         setScissor(buffer, part);
         vkCmdDraw(buffer, 3, 1, 0, 0);

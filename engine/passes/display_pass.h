@@ -30,10 +30,10 @@ public:
     DisplayPass& operator=(const DisplayPass&) = delete;
     ~DisplayPass();
 
-    // `scene` is readable by fragment shaders; `warp` holds View::warp (any buffer when that is empty: a
-    // preview). Leaves the picture in TRANSFER_SRC_OPTIMAL and, with `readBack`, a copy in target.pixels for
-    // the host.
-    // `tone` is one of the constants of display.io.h.
+    // `scene` is readable by fragment shaders; `warp` holds a vec4 per pixel of a projector's picture:
+    // View::warp, and the drive that is taken off for what leaks there (any buffer when View::warp is empty:
+    // a preview). Leaves the picture in TRANSFER_SRC_OPTIMAL and, with `readBack`, a copy in target.pixels
+    // for the host. `tone` is one of the constants of display.io.h.
     void record(gpu::Commands& commands, const gpu::Image& scene, const gpu::Buffer& warp, const View& view,
                 const DisplayTarget& target, uint32_t tone, const io::DisplayParams& params,
                 bool readBack = true);

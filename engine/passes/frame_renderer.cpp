@@ -14,6 +14,7 @@
 #include "compute/gpu/buffer.h"
 #include "compute/gpu/commands.h"
 #include "compute/gpu/device.h"
+#include "engine/passes/device_blend.h"
 #include "engine/passes/display_pass.h"
 #include "engine/passes/draw_mesh.h"
 #include "engine/passes/false_colour.h"
@@ -74,26 +75,6 @@ struct DeviceMesh {
     FrameBuffer light;
 };
 
-// How projectors share what they show, as shaders/gain.frag reads it.
-struct DeviceBlend {
-    DeviceBlend(gpu::Device& device, const geometry::ProjectorBlend& blend, const geometry::Rig& rig) {
-        std::vector<glm::vec3> places;
-        for (const geometry::Projector& projector : rig.projectors) places.emplace_back(projector.centre());
-        std::vector<io::BlendTriangle> seen;
-        for (size_t t = 0; t < blend.visible.size(); ++t) seen.push_back({blend.visible[t], blend.first[t]});
-        seen.push_back({0, static_cast<uint32_t>(blend.borders.size())});
-        std::vector<io::BlendBorder> edges;
-        for (const geometry::BlendBorder& b : blend.borders)
-            edges.push_back({glm::vec3(b.from), b.left, glm::vec3(b.to), b.right});
-        if (places.empty()) places.emplace_back(0.0f);
-        if (edges.empty()) edges.push_back({});
-        centres = gpu::Buffer::from(device, places, "projectors");
-        triangles = gpu::Buffer::from(device, seen, "seen by projectors");
-        borders = gpu::Buffer::from(device, edges, "borders of projectors");
-    }
-    gpu::Buffer centres, triangles, borders;
-};
-
 struct Solid {
     Solid(gpu::Device& device, const std::vector<DrawCorner>& list, const std::string& name)
         : corners(gpu::Buffer::from(device, list, name)), count(static_cast<uint32_t>(list.size())) {}
@@ -110,14 +91,22 @@ struct TriangleList {
     uint32_t count;
 };
 
+// Per pixel of a projector's picture, as DisplayPass reads it; `leaks` empty: nothing leaks. One for
+// previews.
+gpu::Buffer warpBuffer(gpu::Device& device, const std::vector<glm::vec2>& warp, const ImageF& leaks,
+                       const std::string& name) {
+    std::vector<glm::vec4> pixels(std::max<size_t>(warp.size(), 1));
+    for (size_t i = 0; i < warp.size(); ++i)
+        pixels[i] = {warp[i].x, warp[i].y, leaks.rgb.empty() ? 0.0f : leaks.rgb[3 * i], 0};
+    return gpu::Buffer::from(device, pixels, name + " warp");
+}
+
 // Everything that one output keeps from frame to frame.
 struct Output {
     // `drawn`: corners of its mesh, three a triangle.
     Output(gpu::Device& device, View v, const std::vector<uint32_t>& drawn, const std::string& name_)
         : view(std::move(v)), name(name_), scene(device, view.width, view.height, name),
-          warp(gpu::Buffer::from(device, view.warp.empty() ? std::vector<glm::vec2>(1) : view.warp,
-                                 name + " warp")),
-          triangles(device, drawn, name + " triangles") {}
+          warp(warpBuffer(device, view.warp, {}, name)), triangles(device, drawn, name + " triangles") {}
 
     const DisplayTarget& target(gpu::Device& device, DisplayTarget::Kind kind) {
         if (!display || display->kind != kind)
@@ -254,6 +243,8 @@ struct FrameRenderer::State {
     SceneInputs projectorInputs(size_t i, const AddedLight& added, bool illuminance) const;
     SceneInputs previewInputs(const View& view, const AddedLight& added, Quantity quantity) const;
     void makeOutputs(int supersample);
+    GainInputs gainInputs(size_t i) const;
+    void drawLeaks();
     void drawGains();
     gpu::Commands recordProjectors(const compute::Lighting& light, const ProjectorOptions& options, bool hdr,
                                    bool readBack);
@@ -390,29 +381,51 @@ void FrameRenderer::State::makeOutputs(int supersample) {
     model->outputsSupersample = supersample;
 }
 
-void FrameRenderer::State::drawGains() {
-    gpu::Commands commands(*device);
+GainInputs FrameRenderer::State::gainInputs(size_t i) const {
+    GainInputs inputs;
+    inputs.view = &model->outputs[i].view;
+    inputs.corners = &model->shown.corners;
+    inputs.count = static_cast<uint32_t>(model->shown.mesh.corners.size());
+    inputs.solids = {&model->solids.corners, model->solids.count, glm::vec4(0), 0, kPushBack, false};
+    inputs.blend = &model->blend;
+    inputs.params.shownReflectance = static_cast<float>(model->scene.rig.surfaceReflectance);
+    inputs.params.guard = static_cast<float>(geometry::kBlendGuard);
+    inputs.params.falloff = static_cast<float>(geometry::kBlendFalloff);
+    inputs.params.leastSlope = static_cast<float>(geometry::kBlendLeastSlope);
+    inputs.params.leastFade = static_cast<float>(geometry::kBlendLeastFade);
+    inputs.params.endFade = static_cast<float>(geometry::kBlendEndFade);
+    inputs.params.leastCosine = static_cast<float>(geometry::kBlendLeastCosine);
+    inputs.params.projector = static_cast<uint32_t>(i);
+    inputs.params.projectorCount = static_cast<uint32_t>(model->outputs.size());
+    return inputs;
+}
+
+// Of each projector, for what all leak on the surfaces; it is drawn as the gain is, of light 1.
+void FrameRenderer::State::drawLeaks() {
     for (size_t i = 0; i < model->outputs.size(); ++i) {
-        const Output& output = model->outputs[i];
-        GainInputs inputs;
-        inputs.view = &output.view;
-        inputs.corners = &model->shown.corners;
-        inputs.count = static_cast<uint32_t>(model->shown.mesh.corners.size());
-        inputs.solids = {&model->solids.corners, model->solids.count, glm::vec4(0), 0, kPushBack, false};
-        inputs.centres = &model->blend.centres;
-        inputs.triangles = &model->blend.triangles;
-        inputs.borders = &model->blend.borders;
-        inputs.params.shownReflectance = static_cast<float>(model->scene.rig.surfaceReflectance);
-        inputs.params.guard = static_cast<float>(geometry::kBlendGuard);
-        inputs.params.falloff = static_cast<float>(geometry::kBlendFalloff);
-        inputs.params.leastSlope = static_cast<float>(geometry::kBlendLeastSlope);
-        inputs.params.leastFade = static_cast<float>(geometry::kBlendLeastFade);
-        inputs.params.endFade = static_cast<float>(geometry::kBlendEndFade);
-        inputs.params.leastCosine = static_cast<float>(geometry::kBlendLeastCosine);
-        inputs.params.projector = static_cast<uint32_t>(i);
-        inputs.params.projectorCount = static_cast<uint32_t>(model->outputs.size());
+        Output& output = model->outputs[i];
+        GainInputs inputs = gainInputs(i);
+        inputs.params.leaks = 1;
+        io::DisplayParams params{};
+        params.white = 1;
+        params.fullScale = static_cast<float>(1 / model->scene.shown.blend.candela[i]);
+        params.outputWidth = static_cast<uint32_t>(output.view.outputWidth);
+        gpu::Commands commands(*device);
         scenePass.recordGain(commands, output.scene, inputs);
+        displayPass.record(commands, output.scene.colour, output.warp, output.view,
+                           output.target(*device, DisplayTarget::Kind::float32), io::kToneRaw, params);
+        device->submitAndWait(std::move(commands));
+        output.warp = warpBuffer(*device, output.view.warp, floatsOf(output), output.name);
     }
+}
+
+void FrameRenderer::State::drawGains() {
+    if (std::ranges::any_of(model->scene.rig.projectors,
+                            [](const geometry::Projector& p) { return p.blackLevel > 0; }))
+        drawLeaks();
+    gpu::Commands commands(*device);
+    for (size_t i = 0; i < model->outputs.size(); ++i)
+        scenePass.recordGain(commands, model->outputs[i].scene, gainInputs(i));
     device->submitAndWait(std::move(commands));
 }
 
@@ -428,7 +441,7 @@ gpu::Commands FrameRenderer::State::recordProjectors(const compute::Lighting& li
     for (size_t i = 0; i < model->outputs.size(); ++i) {
         const geometry::Projector& projector = scene.rig.projectors[i];
         Output& output = model->outputs[i];
-        params.fullScale = static_cast<float>(scene.painted.white / scene.intensity[i]);
+        params.fullScale = static_cast<float>(scene.painted.white / scene.shown.blend.candela[i]);
         params.blackLevel = static_cast<float>(projector.blackLevel);
         params.gamma = hdr ? 0 : gammaOf(projector);
         params.outputWidth = static_cast<uint32_t>(projector.width);

@@ -9,7 +9,8 @@
 // projector's part of the picture there (shares sum to one, so the projectors together show exposure * B
 // wherever none is clipped) and rho the physical surface's reflectance. exposure = reachLux() / white: what
 // is `white` in the simulation is shown at the exitance that the rig reaches on nine tenths of what it shows.
-// Where `light.ownScatter` is given, B is what is left without it, and not negative.
+// What all projectors that see a place leak while black is taken off, by the same shares, as far as there is
+// light. Where `light.ownScatter` is given, B is what is left without it, and not negative.
 #pragma once
 
 #include <memory>

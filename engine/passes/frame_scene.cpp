@@ -91,7 +91,6 @@ FrameScene::FrameScene(const geometry::PatchMesh& m, const geometry::Occluders& 
     if (!r) return;
     rig = *r;
     shown = shownMesh(mesh, vertexLight, occluders, rig);
-    for (const geometry::Projector& projector : rig.projectors) intensity.push_back(fullIntensity(projector));
     painted = paintedPatches(mesh, shown, rig);
     views = projectorViews(kProjectorSupersample);
 }

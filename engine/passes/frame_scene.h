@@ -47,7 +47,6 @@ struct FrameScene {
     DrawMesh all;
     ShownMesh shown; // what projectors show
     std::vector<DrawCorner> solids, tops, sides, table;
-    std::vector<double> intensity; // candela, per projector
     PaintedPatches painted;
     std::vector<View> views; // projectorViews(kProjectorSupersample)
 };

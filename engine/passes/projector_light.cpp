@@ -46,12 +46,8 @@ namespace {
 // it.
 std::vector<double> reachOfTriangles(const ShownMesh& shown, const geometry::Rig& rig) {
     std::vector<double> reachable(shown.blend.visible.size());
-    std::vector<double> intensity;
     std::vector<glm::dvec3> centres;
-    for (const geometry::Projector& projector : rig.projectors) {
-        intensity.push_back(fullIntensity(projector));
-        centres.push_back(projector.centre());
-    }
+    for (const geometry::Projector& projector : rig.projectors) centres.push_back(projector.centre());
     for (size_t t = 0; t < reachable.size(); ++t) {
         const DrawCorner* corner = &shown.mesh.corners[3 * t];
         const glm::dvec3 a(corner[0].position), b(corner[1].position), c(corner[2].position),
@@ -61,7 +57,7 @@ std::vector<double> reachOfTriangles(const ShownMesh& shown, const geometry::Rig
         double reach = std::numeric_limits<double>::infinity();
         for (size_t p = 0; p < shares.size(); ++p)
             if (shares[p] > 0)
-                reach = std::min(reach, intensity[p] * rig.surfaceReflectance *
+                reach = std::min(reach, shown.blend.candela[p] * rig.surfaceReflectance *
                                             geometry::steepnessAt(middle, normal, centres[p]) / shares[p]);
         if (std::isfinite(reach)) reachable[t] = reach;
     }

@@ -5,6 +5,7 @@
 
 #include <glm/geometric.hpp>
 
+#include "engine/passes/projector_light.h"
 #include "geometry/projector_visibility.h"
 
 namespace heliodon::passes {
@@ -46,7 +47,10 @@ ShownMesh shownMesh(const geometry::PatchMesh& mesh, const VertexLight& vertexLi
     }
     std::vector<glm::dvec3> centres;
     for (const geometry::OpticalDevice& device : devices) centres.push_back(device.centre());
-    return {std::move(out), geometry::blendProjectors(cut, mesh, centres)};
+    ShownMesh shown{std::move(out), geometry::blendProjectors(cut, mesh, centres)};
+    for (size_t p = 0; p < rig.projectors.size(); ++p)
+        shown.blend.candela[p] = fullIntensity(rig.projectors[p]);
+    return shown;
 }
 
 } // namespace heliodon::passes

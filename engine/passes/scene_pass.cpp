@@ -287,10 +287,10 @@ void ScenePass::record(gpu::Commands& commands, const SceneTarget& target, const
 void ScenePass::recordGain(gpu::Commands& commands, const SceneTarget& target,
                            const GainInputs& inputs) const {
     const VkCommandBuffer buffer = commands.handle();
-    begin(commands, target, glm::vec4(0));
+    begin(commands, target, glm::vec4(1, 1, 1, 0));
     io::GainParams params = inputs.params;
     params.clipFromWorld = inputs.view->clipFromWorld;
-    gain_.bind(buffer, {*inputs.centres, *inputs.triangles, *inputs.borders}, params);
+    gain_.bind(buffer, {inputs.blend->projectors, inputs.blend->triangles, inputs.blend->borders}, params);
     bindStreams(buffer, {inputs.corners});
     vkCmdDraw(buffer, inputs.count, 1, 0, 0);
     draw(buffer, solid_, inputs.solids, *inputs.view);

@@ -14,8 +14,8 @@
 #include "compute/gpu/commands.h"
 #include "compute/gpu/graphics_pipeline.h"
 #include "compute/gpu/image.h"
+#include "engine/passes/device_blend.h"
 #include "engine/passes/view.h"
-#include "shaders/io/gain.io.h"
 
 namespace heliodon::passes {
 
@@ -87,11 +87,9 @@ struct GainInputs {
     const View* view = nullptr;
     const gpu::Buffer* corners = nullptr; // DrawCorner
     uint32_t count = 0;
-    SolidDraw solids;                       // hide what is behind them; show nothing
-    const gpu::Buffer* centres = nullptr;   // vec3 per projector
-    const gpu::Buffer* triangles = nullptr; // io::BlendTriangle
-    const gpu::Buffer* borders = nullptr;   // io::BlendBorder
-    io::GainParams params;                  // but for clipFromWorld, which is the view's
+    SolidDraw solids; // hide what is behind them; show nothing
+    const DeviceBlend* blend = nullptr;
+    io::GainParams params{}; // but for clipFromWorld, which is the view's
 };
 
 class ScenePass {
@@ -102,7 +100,7 @@ public:
     void record(gpu::Commands& commands, const SceneTarget& target, const SceneInputs& inputs) const;
 
     // A projector's gain (shaders/gain.frag), zero where it shows nothing, into the alpha of target.colour,
-    // for all frames with `keepGain` that follow.
+    // for all frames with `keepGain` that follow. The colours are 1.
     void recordGain(gpu::Commands& commands, const SceneTarget& target, const GainInputs& inputs) const;
 
 private:

@@ -13,8 +13,14 @@ struct GainParams {
     float leastFade;
     float endFade;
     float leastCosine;
-    uint projector;         // whose gain it is
+    uint projector; // whose gain it is
     uint projectorCount;
+    uint leaks; // 1: the gain times the exitance that all projectors there leak, lux, not the gain
+};
+struct BlendProjector {
+    vec3 centre;
+    float candela; // of its white
+    float leak;    // of its black
 };
 // One more than there are triangles: the last only ends the list of borders.
 struct BlendTriangle {

@@ -342,6 +342,53 @@ TEST(Projector, response_and_black_level_are_compensated) {
     EXPECT_NEAR(shownBy("1", 0.02), (linear - 0.02) / 0.98, 0.01);
 }
 
+// Sums over all projectors at the markers, as a part of the reach.
+std::vector<double> shownAtMarkers(const geometry::Rig& rig, const Markers& m, double whiteLux) {
+    FrameRenderer renderer(test::device(), m.mesh, {}, &rig);
+    ProjectorOptions options;
+    options.tone.whiteLux = whiteLux;
+    std::vector<ImageF> drives;
+    for (const Image8& picture : renderer.projectors(m.light, options))
+        drives.push_back(driveOf(rig.projectors[drives.size()], picture));
+    std::vector<double> sums;
+    for (const glm::dvec3& c : m.centres)
+        sums.push_back(physicalExitance(rig, drives, c, {0, 1, 0}, rig.surfaceReflectance).g /
+                       renderer.reachLux());
+    return sums;
+}
+
+// Where it is brighter than its own part, and than all that is wanted.
+TEST(Projector, what_one_leaks_is_taken_off_the_others) {
+    geometry::Rig rig = exampleRig();
+    const Markers m = markers();
+    const double white = 20000; // the light is a twentieth of the reach
+    const std::vector<double> wanted = shownAtMarkers(rig, m, white);
+    rig.projectors[0].blackLevel = 0.08;
+    rig.projectors[2].blackLevel = 0.02;
+    const std::vector<double> found = shownAtMarkers(rig, m, white), leaked = shownAtMarkers(rig, m, 1e12);
+    size_t right = 0;
+    for (size_t i = 0; i < m.centres.size(); ++i) {
+        const double least = std::max(wanted[i], leaked[i]);
+        right += std::abs(found[i] - least) < 0.04 * least; // half a step of each projector's byte
+    }
+    EXPECT_EQ(right, m.centres.size());
+}
+
+// In the middle of all pictures the brighter gives more, and all are at their full together.
+TEST(Projector, unlike_ones_are_driven_alike) {
+    geometry::Rig rig = exampleRig();
+    rig.projectors[1].lumens = 600;
+    const Markers m = markers();
+    FrameRenderer renderer(test::device(), m.mesh, {}, &rig);
+    const std::vector<ImageF> pictures = renderer.projectorsHdr(m.light);
+    const auto drive = [&](size_t p) {
+        const glm::dvec2 at = *rig.projectors[p].pixelFromWorld(m.centres[40]);
+        return double{pictures[p].pixel(int(std::lround(at.x)), int(std::lround(at.y)))[1]};
+    };
+    ASSERT_GT(drive(0), 0.1);
+    for (size_t p = 1; p < rig.projectors.size(); ++p) EXPECT_NEAR(drive(p), drive(0), 0.02 * drive(0)) << p;
+}
+
 TEST(Projector, a_picture_in_floats_is_the_one_in_bytes_with_its_windows) {
     geometry::Rig rig = exampleRig();
     rig.projectors.resize(1);
