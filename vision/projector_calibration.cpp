@@ -17,7 +17,9 @@ namespace heliodon::vision {
 namespace {
 
 // A picture of 4 : 3 stretched to 16 : 9 has pixels of 0.75 : 1.
-constexpr double kMostAspect = 1.6;
+constexpr double kMostAspect = 1.6, kSquareWithin = 0.03;
+// Of what corners lie off where all planes are held out, to where they take part.
+constexpr double kMostHeldOut = 1.2;
 constexpr double kMostOff = 0.01; // of the picture's width, rms: beyond, the corners are no projector's
 constexpr double kApart = 0.02;   // metres, least from camera to projector
 
@@ -234,12 +236,20 @@ void warnOf(ProjectorCalibration& result) {
         warn(
             fmt::format("the planes catch {:.0f} % of the projector's picture; its lens is guessed elsewhere",
                         100 * result.coverage));
-    if (result.rms > 0.5)
-        warn(fmt::format(
-            "corners lie {:.2f} px off; are the planes' heights right, and did neither camera nor "
-            "projector move?",
-            result.rms));
+    // Noise is the same in planes that are held out.
+    const bool strained = result.heldOutRms.value_or(0) > std::max(0.1, kMostHeldOut * result.rms);
+    if (result.rms > 0.5 || strained)
+        warn(fmt::format("corners lie {:.2f} px off{}; are the planes' heights right, and did neither camera "
+                         "nor projector move?",
+                         result.rms,
+                         strained ? fmt::format(", {:.2f} on planes held out", *result.heldOutRms) : ""));
     const geometry::Lens &lens = result.projector.lens, &sigma = result.sigma;
+    const double aspect = lens.fx / lens.fy, off = std::max(aspect, 1 / aspect) - 1;
+    if (off > std::max(kSquareWithin, 3 * std::hypot(sigma.fx / lens.fx, sigma.fy / lens.fy)))
+        warn(fmt::format(
+            "its pixels come out as {:.2f} : 1, not square: are the planes' heights right (or is its "
+            "picture stretched)?",
+            aspect));
     if (sigma.fx > 0.005 * lens.fx || sigma.fy > 0.005 * lens.fy)
         warn(fmt::format("the focal length is uncertain: {:.1f} +- {:.1f} px", lens.fx,
                          std::max(sigma.fx, sigma.fy)));

@@ -126,6 +126,25 @@ void drawOverlays(const std::filesystem::path& target, const CalibrationFolder& 
     }
 }
 
+// Of folders with pictures of one projector, or that are named after one another.
+void warnOfPlaces(Run& run, const geometry::Rig& rig, const std::vector<geometry::OpticalDevice>& found) {
+    constexpr double kOnePlace = 0.02; // metres: no two lenses are as close
+    for (size_t i = 0; i < found.size(); ++i) {
+        const auto here = [&](const geometry::OpticalDevice& other) {
+            return glm::distance(found[i].centre(), other.centre()) < kOnePlace;
+        };
+        for (size_t j = 0; j < i; ++j)
+            if (here(found[j]))
+                run.warn(
+                    fmt::format("{} and {} come out at the same place: are both pictures of one projector?",
+                                found[j].id, found[i].id));
+        for (const geometry::Projector& before : rig.projectors)
+            if (before.id != found[i].id && here(before))
+                run.warn(fmt::format("{} comes out where the rig has {}: are the folders' names right?",
+                                     found[i].id, before.id));
+    }
+}
+
 } // namespace
 
 void execute(Run& run, const CalibratePatternsArguments& arguments) {
@@ -208,6 +227,7 @@ void execute(Run& run, const CalibrateProjectorArguments& arguments) {
         edit.projectors.push_back(result.projector);
         edit.projectors.back().id = folder.id;
     }
+    warnOfPlaces(run, rig, edit.projectors);
     file.write(arguments.output, edit);
 }
 

@@ -198,6 +198,10 @@ TEST_F(CalibrateProjector, patterns_are_written_seen_and_understood) {
     const geometry::Rig once = geometry::readRig(in("out.json"));
     ASSERT_EQ(once.projectors.size(), 1u);
     EXPECT_EQ(once.projectors[0].lumens, 2500);
+    // Under another name, and twice.
+    const Outcome renamed = heliodon(again + in("x.json") + " --heights 0,0.12 --id west");
+    EXPECT_NE(renamed.output.find("west comes out where the rig has east"), std::string::npos)
+        << renamed.output;
     // What is wrong with the output is said before any picture is looked at.
     const Outcome nowhere = heliodon(again + in("none/x.json") + " --report " + in("r.json"));
     EXPECT_EQ(nowhere.exitCode, 2);

@@ -255,6 +255,26 @@ TEST(CalibrateProjector, a_wrong_height_is_noticed_and_too_little_refused) {
     EXPECT_THROW(calibrate(scene, {{0, {}}, {0.1, {}}}), CalibrationError);
 }
 
+std::string warningsOf(const PatternScene& scene, const std::vector<ProjectorPlane>& planes) {
+    std::string all;
+    for (const std::string& warning : calibrate(scene, planes).warnings) all += warning + "\n";
+    return all;
+}
+
+// What a fit takes up in part.
+TEST(CalibrateProjector, planes_too_high_by_one_factor_and_a_camera_that_moved_are_said) {
+    const PatternScene scene = usualScene();
+    const auto planes = decode(scene, {0, 0.06, 0.12});
+    EXPECT_EQ(warningsOf(scene, planes), "only 3 planes; nine make the lens sure\n");
+    auto high = planes, moved = planes;
+    for (ProjectorPlane& plane : high) plane.height *= 1.08;
+    EXPECT_NE(warningsOf(scene, high).find("not square"), std::string::npos) << warningsOf(scene, high);
+    EXPECT_NE(warningsOf(scene, high).find("on planes held out"), std::string::npos);
+    for (PatternCorner& corner : moved[2].corners) corner.camera += glm::dvec2(1.5, -1);
+    EXPECT_NE(warningsOf(scene, moved).find("on planes held out"), std::string::npos)
+        << warningsOf(scene, moved);
+}
+
 // Of a small board on a bright table the table carries the most corners, whatever the board's height: they
 // fit a projector in the camera's place, without a residual.
 TEST(CalibrateProjector, corners_on_the_table_beside_the_board_are_refused) {
