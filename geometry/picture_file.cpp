@@ -7,6 +7,7 @@
 
 #include <dlfcn.h>
 #include <fmt/format.h>
+#include <link.h>
 
 #include "geometry/whole_file.h"
 
@@ -27,8 +28,19 @@ std::filesystem::path moduleFile() {
     return installed;
 }
 
+// One that is cut short is mapped all the same, and would end the program where its bytes end.
+void refuseCut(const std::filesystem::path& module) {
+    ElfW(Ehdr) header{}; // what it says to be last is the table of sections
+    std::ifstream(module, std::ios::binary).read(reinterpret_cast<char*>(&header), sizeof header);
+    const uintmax_t end = header.e_shoff + uintmax_t{header.e_shnum} * header.e_shentsize;
+    if (end == 0 || end > std::filesystem::file_size(module))
+        throw std::runtime_error(module.string() +
+                                 ", which reads and writes pictures, is cut short: expected a whole file");
+}
+
 const PictureCodecs& load() {
     const std::filesystem::path file = moduleFile();
+    refuseCut(file);
     void* module = dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL); // never closed: the libraries stay in use
     const auto* codecs =
         module ? static_cast<const PictureCodecs*>(dlsym(module, "heliodonPictureCodecs")) : nullptr;

@@ -410,7 +410,7 @@ BenchArguments completed(BenchArguments arguments) {
     std::vector<std::string_view> scenes;
     for (const BuiltInScene& scene : builtInScenes()) scenes.emplace_back(scene.name);
     arguments.scenes = expanded(arguments.scenes, scenes);
-    arguments.sizes = eachOnce(arguments.sizes);
+    arguments.sizes = arguments.sizes.empty() ? std::vector<size_t>{500, 2000} : eachOnce(arguments.sizes);
     arguments.errors = eachOnce(arguments.errors);
     return arguments;
 }
@@ -429,6 +429,8 @@ void execute(Run& run, const BenchArguments& given) {
         const StageTimer timer(run, "scenes");
         return benchScenes(arguments.scenes, arguments.sizes, arguments.output);
     }();
+    if (!given.sizes.empty() && sceneFiles(arguments.scenes, {}).empty())
+        run.warn("--sizes is not used: models' faces are taken as they are");
     Bench bench(run, arguments, scenes);
     if (arguments.peers && !hasEmbree()) run.skipped("embree: the library was not there when this was built");
     if (arguments.peers && findView3d().empty()) run.skipped("view3d: no such program on the PATH");

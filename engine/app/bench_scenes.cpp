@@ -196,7 +196,6 @@ std::vector<std::string> sceneFiles(const std::vector<std::string>& names, const
 
 std::vector<BenchScene> benchScenes(const std::vector<std::string>& names, const std::vector<size_t>& sizes,
                                     const std::filesystem::path& folder) {
-    std::filesystem::create_directories(folder / "scenes");
     std::vector<BenchScene> scenes;
     for (const std::string& name : names) {
         const auto recipe = recipeOf(name);
@@ -205,6 +204,7 @@ std::vector<BenchScene> benchScenes(const std::vector<std::string>& names, const
             continue;
         }
         const std::filesystem::path file = folder / fileOf(name);
+        std::filesystem::create_directories(file.parent_path());
         geometry::writeWholeText(file, GridSurface(recipe->blocks).obj());
         const geometry::Building building = geometry::importModel(file, geometry::UpAxis::z);
         for (const size_t size : sizes) {

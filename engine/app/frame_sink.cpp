@@ -53,7 +53,10 @@ FrameSink::FrameSink(FrameSinkOptions options)
         folder_ = options_.output;
     else if (options_.resume)
         folder_ = fs::path(options_.output).replace_extension(".frames");
-    for (const fs::path& film : films()) geometry::refuseUnwritable(film); // now, not after the form factors
+    for (const fs::path& film : films()) { // now, not after the form factors
+        geometry::refuseUnwritable(film);
+        held_.emplace_back(film);
+    }
     if (options_.resume) refuseOtherJob();
     if (folder_.empty()) return; // Film has a thread of its own
     made_.emplace(folder_);

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <fstream>
 #include <functional>
+#include <list>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -85,6 +86,7 @@ private:
     FrameSinkOptions options_;
     bool isFilm_;
     std::filesystem::path folder_; // of pictures; empty for a film that does not keep its frames
+    std::list<SoleFile> held_;     // the films
     std::optional<OutputFolder> made_;
     bool started_ = false; // the folder says whose frames it holds
     std::string text_;     // of the table so far

@@ -3,13 +3,17 @@
 #include <algorithm>
 #include <cerrno>
 #include <chrono>
+#include <cstddef>
 #include <fstream>
+#include <functional>
 #include <system_error>
 #include <thread>
 
 #include <fcntl.h>
 #include <sys/file.h>
+#include <sys/socket.h>
 #include <sys/stat.h>
+#include <sys/un.h>
 #include <unistd.h>
 
 #include <fmt/format.h>
@@ -73,7 +77,35 @@ ino_t numberOf(const fs::path& file) {
     return ::stat(file.c_str(), &status) == 0 ? status.st_ino : 0;
 }
 
+// Asks for a while: a run that was killed holds what it had until its memory is given back.
+template<class F> bool isFree(F take) {
+    for (int tries = 0; tries < 20; ++tries) {
+        if (take()) return true;
+        std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    }
+    return false;
+}
+
 } // namespace
+
+// By a socket in Linux's own name space, which leaves nothing beside the file.
+SoleFile::SoleFile(const fs::path& file) : socket_(::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0)) {
+    const std::string name = fmt::format("heliodon {:x}", std::hash<std::string>{}(geometry::placeOf(file)));
+    sockaddr_un address{AF_UNIX, {}};
+    name.copy(address.sun_path + 1, sizeof address.sun_path - 1);
+    const auto length = static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + 1 + name.size());
+    if (isFree([&] {
+            return ::bind(socket_, reinterpret_cast<const sockaddr*>(&address), length) == 0 ||
+                   errno != EADDRINUSE;
+        }))
+        return;
+    ::close(socket_);
+    throw geometry::InputError(file.string(), "", "another run is writing it, expected a file of its own");
+}
+
+SoleFile::~SoleFile() {
+    if (socket_ >= 0) ::close(socket_);
+}
 
 void warnOfStrangers(Run& run, const fs::path& folder, std::span<const std::string> files) {
     if (files.empty()) return;
@@ -100,11 +132,7 @@ OutputFolder::OutputFolder(const fs::path& named)
         throw geometry::InputError(folder_.string(), "", "cannot be written to");
     handle_ = ::open(folder_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
     if (handle_ < 0) return;
-    // One that was killed holds it until its memory is given back.
-    for (int tries = 0; tries < 20; ++tries) {
-        if (::flock(handle_, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK) return;
-        std::this_thread::sleep_for(std::chrono::milliseconds(50));
-    }
+    if (isFree([&] { return ::flock(handle_, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK; })) return;
     ::close(handle_);
     throw geometry::InputError(folder_.string(), "",
                                "another run is writing into it, expected a folder of its own");

@@ -45,6 +45,20 @@ private:
     int handle_ = -1;                         // holds the lock, where the file system has such
 };
 
+// A file that one run at a time makes for long, held by its name before it is there.
+class SoleFile {
+public:
+    // Throws InputError when another run on this machine holds it. The system forgets that hold when a run
+    // ends, however it ends.
+    explicit SoleFile(const std::filesystem::path& file);
+    ~SoleFile();
+    SoleFile(const SoleFile&) = delete;
+    SoleFile& operator=(const SoleFile&) = delete;
+
+private:
+    int socket_ = -1;
+};
+
 // Names `files`, in the folder, that will be written over though no earlier run is known to have made them.
 void warnOfStrangers(Run& run, const std::filesystem::path& folder, std::span<const std::string> files);
 

@@ -33,13 +33,21 @@ TEST_F(BadInput, a_photograph_without_a_rig) {
     expectRefused("model " + kPhoto + " -o " + in("out.obj"), {"i01_mixed.png", "--rig"});
 }
 
-TEST_F(BadInput, a_program_that_was_copied_alone_says_what_it_lacks_and_where) {
+TEST_F(BadInput, a_program_that_was_copied_alone_or_in_part_says_what_it_lacks_and_where) {
     std::filesystem::copy_file(HELIODON_PROGRAM, folder / "heliodon");
     const std::string command = "ASAN_OPTIONS=detect_leaks=0:detect_odr_violation=0 " + in("heliodon") +
                                 " detect " + kPhoto + " --rig " + kRig + " -o " + in("out.json") + " >" +
                                 in("said") + " 2>&1";
     EXPECT_NE(std::system(command.c_str()), 0);
     EXPECT_NE(readText(in("said")).find("is missing: expected beside the program in " + folder.string()),
+              std::string::npos)
+        << readText(in("said"));
+    const std::string module = "heliodon_pictures.so";
+    std::filesystem::copy_file(std::filesystem::path(HELIODON_PROGRAM).parent_path() / module,
+                               folder / module);
+    std::filesystem::resize_file(folder / module, std::filesystem::file_size(folder / module) / 2);
+    EXPECT_NE(std::system(command.c_str()), 0);
+    EXPECT_NE(readText(in("said")).find(in(module) + ", which reads and writes pictures, is cut short"),
               std::string::npos)
         << readText(in("said"));
 }
@@ -345,6 +353,8 @@ TEST_F(BadInput, scenes_and_kernels_that_no_bench_knows) {
     expectRefused("bench --scenes castle -o " + in("out"), {"--scenes", "castle", "partitions"});
     expectRefused("bench --scenes " + in("none.obj") + " -o " + in("out"), {"none.obj", "does not exist"});
     expectRefused("bench --kernels guess -o " + in("out"), {"--kernels", "guess", "exact"});
+    writeText(in("empty.obj"), "v 0 0 0\n");
+    expectRefused("bench --scenes " + in("empty.obj") + " -o " + in("out"), {"empty.obj", "no faces"});
 }
 
 TEST_F(BadInput, numbers_that_are_none_and_devices_that_are_not_there) {

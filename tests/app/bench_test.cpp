@@ -168,6 +168,11 @@ TEST_F(Bench, models_of_all_kinds_are_scenes) {
         EXPECT_EQ(scene.mesh.patchCount(), mesh.patchCount()) << name;
     }
     EXPECT_THROW(app::checkBenchScenes({in("own.mtl")}), geometry::InputError);
+    const Outcome outcome = heliodon("bench --kernels montecarlo --errors 0.1 --runs 1 --no-peers --sizes 60 "
+                                     "--scenes " +
+                                     in("own.obj") + " -o " + in("models"));
+    EXPECT_EQ(outcome.exitCode, 0) << outcome.output;
+    EXPECT_NE(outcome.output.find("--sizes is not used"), std::string::npos) << outcome.output;
 }
 
 // All kernels agree on zeros there.

@@ -7,6 +7,7 @@
 
 #include "engine/app/film.h"
 #include "engine/app/interrupt.h"
+#include "engine/app/output_folder.h"
 #include "engine/app/run.h"
 #include "tests/app/program.h"
 
@@ -92,6 +93,13 @@ TEST_F(Timelapse, a_film_overwrites_no_table_of_another_name) {
     const Outcome odd = heliodon(film + " --size 321x240");
     EXPECT_EQ(odd.exitCode, 2) << odd.output;
     EXPECT_NE(odd.output.find("--size:321x240"), std::string::npos) << odd.output;
+    {
+        const app::SoleFile held(folder / "film.mp4");
+        const Outcome second = heliodon(film);
+        EXPECT_EQ(second.exitCode, 2) << second.output;
+        EXPECT_NE(second.output.find("film.mp4: another run is writing it"), std::string::npos)
+            << second.output;
+    }
     const Outcome outcome = heliodon(film + " --size 320x240 --rig " HELIODON_SOURCE "/examples/rig.json");
     ASSERT_EQ(outcome.exitCode, 0) << outcome.output;
     EXPECT_EQ(readText(folder / "film.csv"), "precious");
