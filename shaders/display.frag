@@ -88,7 +88,8 @@ void main() {
     }
     sum /= float(kSupersample * kSupersample);
     if (kTone != kToneRaw) {
-        if (kProjector) sum = clamp((sum - warped.z) / (1.0 - params.blackLevel), 0.0, 1.0);
+        // Beyond the projector's own reach, too, a hue that it has no more of grows pale, not dark.
+        if (kProjector) sum = withinWhite(max((sum - warped.z) / (1.0 - params.blackLevel), 0.0));
         if (kGamma) sum = pow(sum, vec3(1.0 / params.gamma));
     }
     colour = vec4(sum, 1);

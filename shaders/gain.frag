@@ -1,6 +1,6 @@
 // The gain by which light becomes a projector's intensity (metres squared): share r^2 / (rho cos theta), after
-// R. Raskar et al., "Shader Lamps" (2001). It changes with the geometry alone, and is drawn once for it; so is, with
-// `leaks`, the part of a projector in taking away what all of them leak: what is black is as bright as they are many.
+// R. Raskar et al., "Shader Lamps" (2001). It changes with the geometry alone, and is drawn once for it; so is, as
+// light to begin with, the exitance (lux) that all projectors leak: what is black is as bright as they are many.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
@@ -14,7 +14,7 @@ layout(set = 0, binding = 1, scalar) readonly buffer Triangles { BlendTriangle t
 layout(set = 0, binding = 2, scalar) readonly buffer Borders { BlendBorder borders[]; };
 layout(push_constant, scalar) uniform Push { GainParams params; };
 
-layout(location = 0) out vec4 colour; // only alpha is written
+layout(location = 0) out vec4 colour; // alpha: the gain
 
 float distanceToSegment(vec3 p, vec3 from, vec3 to) {
     vec3 along = to - from;
@@ -56,6 +56,5 @@ void main() {
         if (p == params.projector) own = weight;
         leaked += projectors[p].leak * params.shownReflectance * steepness(p);
     }
-    colour.a = own / (all * params.shownReflectance * steepness(params.projector));
-    if (params.leaks != 0u) colour.a *= leaked;
+    colour = vec4(vec3(leaked), own / (all * params.shownReflectance * steepness(params.projector)));
 }

@@ -243,8 +243,6 @@ struct FrameRenderer::State {
     SceneInputs projectorInputs(size_t i, const AddedLight& added, bool illuminance) const;
     SceneInputs previewInputs(const View& view, const AddedLight& added, Quantity quantity) const;
     void makeOutputs(int supersample);
-    GainInputs gainInputs(size_t i) const;
-    void drawLeaks();
     void drawGains();
     gpu::Commands recordProjectors(const compute::Lighting& light, const ProjectorOptions& options, bool hdr,
                                    bool readBack);
@@ -381,52 +379,41 @@ void FrameRenderer::State::makeOutputs(int supersample) {
     model->outputsSupersample = supersample;
 }
 
-GainInputs FrameRenderer::State::gainInputs(size_t i) const {
-    GainInputs inputs;
-    inputs.view = &model->outputs[i].view;
-    inputs.corners = &model->shown.corners;
-    inputs.count = static_cast<uint32_t>(model->shown.mesh.corners.size());
-    inputs.solids = {&model->solids.corners, model->solids.count, glm::vec4(0), 0, kPushBack, false};
-    inputs.blend = &model->blend;
-    inputs.params.shownReflectance = static_cast<float>(model->scene.rig.surfaceReflectance);
-    inputs.params.guard = static_cast<float>(geometry::kBlendGuard);
-    inputs.params.falloff = static_cast<float>(geometry::kBlendFalloff);
-    inputs.params.leastSlope = static_cast<float>(geometry::kBlendLeastSlope);
-    inputs.params.leastFade = static_cast<float>(geometry::kBlendLeastFade);
-    inputs.params.endFade = static_cast<float>(geometry::kBlendEndFade);
-    inputs.params.leastCosine = static_cast<float>(geometry::kBlendLeastCosine);
-    inputs.params.projector = static_cast<uint32_t>(i);
-    inputs.params.projectorCount = static_cast<uint32_t>(model->outputs.size());
-    return inputs;
-}
-
-// Of each projector, for what all leak on the surfaces; it is drawn as the gain is, of light 1.
-void FrameRenderer::State::drawLeaks() {
+// And what is taken off for leaks: the picture of these as light.
+void FrameRenderer::State::drawGains() {
+    const bool leaks = std::ranges::any_of(model->scene.rig.projectors,
+                                           [](const geometry::Projector& p) { return p.blackLevel > 0; });
+    gpu::Commands commands(*device);
     for (size_t i = 0; i < model->outputs.size(); ++i) {
         Output& output = model->outputs[i];
-        GainInputs inputs = gainInputs(i);
-        inputs.params.leaks = 1;
+        GainInputs inputs;
+        inputs.view = &output.view;
+        inputs.corners = &model->shown.corners;
+        inputs.count = static_cast<uint32_t>(model->shown.mesh.corners.size());
+        inputs.solids = {&model->solids.corners, model->solids.count, glm::vec4(0), 0, kPushBack, false};
+        inputs.blend = &model->blend;
+        inputs.params.shownReflectance = static_cast<float>(model->scene.rig.surfaceReflectance);
+        inputs.params.guard = static_cast<float>(geometry::kBlendGuard);
+        inputs.params.falloff = static_cast<float>(geometry::kBlendFalloff);
+        inputs.params.leastSlope = static_cast<float>(geometry::kBlendLeastSlope);
+        inputs.params.leastFade = static_cast<float>(geometry::kBlendLeastFade);
+        inputs.params.endFade = static_cast<float>(geometry::kBlendEndFade);
+        inputs.params.leastCosine = static_cast<float>(geometry::kBlendLeastCosine);
+        inputs.params.projector = static_cast<uint32_t>(i);
+        inputs.params.projectorCount = static_cast<uint32_t>(model->outputs.size());
+        scenePass.recordGain(commands, output.scene, inputs);
+        if (!leaks) continue;
         io::DisplayParams params{};
         params.white = 1;
         params.fullScale = static_cast<float>(1 / model->scene.shown.blend.candela[i]);
         params.outputWidth = static_cast<uint32_t>(output.view.outputWidth);
-        gpu::Commands commands(*device);
-        scenePass.recordGain(commands, output.scene, inputs);
         displayPass.record(commands, output.scene.colour, output.warp, output.view,
                            output.target(*device, DisplayTarget::Kind::float32), io::kToneRaw, params);
-        device->submitAndWait(std::move(commands));
-        output.warp = warpBuffer(*device, output.view.warp, floatsOf(output), output.name);
     }
-}
-
-void FrameRenderer::State::drawGains() {
-    if (std::ranges::any_of(model->scene.rig.projectors,
-                            [](const geometry::Projector& p) { return p.blackLevel > 0; }))
-        drawLeaks();
-    gpu::Commands commands(*device);
-    for (size_t i = 0; i < model->outputs.size(); ++i)
-        scenePass.recordGain(commands, model->outputs[i].scene, gainInputs(i));
     device->submitAndWait(std::move(commands));
+    if (!leaks) return;
+    for (Output& output : model->outputs)
+        output.warp = warpBuffer(*device, output.view.warp, floatsOf(output), output.name);
 }
 
 gpu::Commands FrameRenderer::State::recordProjectors(const compute::Lighting& light,

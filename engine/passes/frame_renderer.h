@@ -3,14 +3,15 @@
 // back. What a frame does not need is not drawn: no sun, no shadow volumes and no sun pass.
 //
 // A projector's picture makes the *physical* white surface show the simulated exitance times an exposure:
-//   drive = exposure * share * B r^2 / (rho cos theta) / fullIntensity,   clipped to 0..1,
+//   drive = exposure * share * B r^2 / (rho cos theta) / fullIntensity,   within 0..1,
 // with B the simulated exitance (lux) within `white` (brighter in a channel: of the same luminance and hue,
-// as far as white has them, and less saturated), equally bright however many projectors share it; share the
-// projector's part of the picture there (shares sum to one, so the projectors together show exposure * B
-// wherever none is clipped) and rho the physical surface's reflectance. exposure = reachLux() / white: what
-// is `white` in the simulation is shown at the exitance that the rig reaches on nine tenths of what it shows.
-// What all projectors that see a place leak while black is taken off, by the same shares, as far as there is
-// light. Where `light.ownScatter` is given, B is what is left without it, and not negative.
+// as far as white has them, and less saturated; so is a drive beyond 1), equally bright however many
+// projectors share it; share the projector's part of the picture there (shares sum to one, so the projectors
+// together show exposure * B wherever none is clipped) and rho the physical surface's reflectance. exposure =
+// reachLux() / white: what is `white` in the simulation is shown at the exitance that the rig reaches on nine
+// tenths of what it shows. What all projectors that see a place leak while black is taken off, by the same
+// shares, as far as there is light. Where `light.ownScatter` is given, B is what is left without it, and not
+// negative.
 #pragma once
 
 #include <memory>

@@ -122,7 +122,6 @@ gpu::GraphicsPipeline gainPipeline(gpu::Device& device) {
     gpu::GraphicsPipelineInfo info = surfaceInfo();
     info.stages = {gain_vert, gain_frag};
     info.streams = {cornerStream({0, 5})};
-    info.writeMask = VK_COLOR_COMPONENT_A_BIT;
     return {device, info, "gain"};
 }
 
@@ -287,7 +286,7 @@ void ScenePass::record(gpu::Commands& commands, const SceneTarget& target, const
 void ScenePass::recordGain(gpu::Commands& commands, const SceneTarget& target,
                            const GainInputs& inputs) const {
     const VkCommandBuffer buffer = commands.handle();
-    begin(commands, target, glm::vec4(1, 1, 1, 0));
+    begin(commands, target, glm::vec4(0));
     io::GainParams params = inputs.params;
     params.clipFromWorld = inputs.view->clipFromWorld;
     gain_.bind(buffer, {inputs.blend->projectors, inputs.blend->triangles, inputs.blend->borders}, params);

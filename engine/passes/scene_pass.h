@@ -100,7 +100,7 @@ public:
     void record(gpu::Commands& commands, const SceneTarget& target, const SceneInputs& inputs) const;
 
     // A projector's gain (shaders/gain.frag), zero where it shows nothing, into the alpha of target.colour,
-    // for all frames with `keepGain` that follow. The colours are 1.
+    // for all frames with `keepGain` that follow. The colours are what all projectors leak, lux.
     void recordGain(gpu::Commands& commands, const SceneTarget& target, const GainInputs& inputs) const;
 
 private:

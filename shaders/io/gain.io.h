@@ -15,7 +15,6 @@ struct GainParams {
     float leastCosine;
     uint projector; // whose gain it is
     uint projectorCount;
-    uint leaks; // 1: the gain times the exitance that all projectors there leak, lux, not the gain
 };
 struct BlendProjector {
     vec3 centre;

@@ -186,6 +186,38 @@ TEST(Projector, brighter_than_white_stays_as_bright_and_of_its_hue) {
     EXPECT_NEAR(shown.g - grey, less * (full.g - grey), 0.03 * shown.b);
 }
 
+// Far from the projector its red ends before its luminance does.
+TEST(Projector, where_a_channel_ends_the_others_make_up_for_its_luminance) {
+    const Markers m = markers();
+    compute::Lighting light = m.light;
+    light.exitance.assign(light.exitance.size(), glm::vec3(990, 50, 50));
+    geometry::Rig rig = exampleRig();
+    rig.projectors.resize(1);
+    FrameRenderer renderer(test::device(), m.mesh, {}, &rig);
+    ProjectorOptions options;
+    options.tone.whiteLux = 1000;
+    const ImageF drive = driveOf(rig.projectors[0], renderer.projectors(light, options)[0]);
+    options.tone.whiteLux = 4000; // all within reach
+    const ImageF plain = driveOf(rig.projectors[0], renderer.projectors(light, options)[0]);
+    const glm::dvec3 luminance(0.2126, 0.7152, 0.0722);
+    size_t beyond = 0;
+    for (const glm::dvec3& c : m.centres) {
+        const auto at = rig.projectors[0].pixelFromWorld(c);
+        if (!at || at->x < 1 || at->y < 1 || at->x > drive.width - 2 || at->y > drive.height - 2) continue;
+        const int x = int(std::lround(at->x)), y = int(std::lround(at->y));
+        const auto of = [&](const ImageF& picture) {
+            const float* value = picture.pixel(x, y);
+            return glm::dvec3(value[0], value[1], value[2]);
+        };
+        const glm::dvec3 full = 4.0 * of(plain);
+        if (full.r < 1.05) continue;
+        ++beyond;
+        const double wanted = glm::dot(luminance, full);
+        EXPECT_NEAR(glm::dot(luminance, of(drive)), wanted, 0.02 * wanted) << c.x << " " << c.z; // bytes
+    }
+    EXPECT_GT(beyond, 2u);
+}
+
 // What the device draws is what geometry/projector_blend.h says.
 TEST(Projector, each_shows_its_share) {
     const geometry::Rig rig = exampleRig();
