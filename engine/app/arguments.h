@@ -132,7 +132,7 @@ struct CalibrateProjectorArguments {
 };
 struct BenchArguments {
     std::vector<std::string> kernels{"all"}, scenes{"partitions"};
-    std::vector<size_t> sizes; // empty: 500 and 2000
+    std::vector<size_t> sizes;                    // empty: 500 and 2000
     std::vector<double> errors{1e-2, 1e-3, 1e-4}; // RMS of rows', of kernels that are asked for one
     std::optional<int> runs;                      // counted; without: 3, of long ones 1
     size_t referenceRows = 12;
