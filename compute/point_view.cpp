@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <utility>
 
 #include <glm/geometric.hpp>
 #include <glm/vec2.hpp>
@@ -41,6 +42,10 @@ constexpr double kSameOverLeast = kSamePlane / kLeastOfExtent, kOneOverLeast = k
 double samePlane(const Blockers& blockers) {
     return blockers.tolerance() * kSameOverLeast;
 }
+
+// Behind more cones than these a part is first cut by the one in the middle of their list, which often stands
+// in the middle of the rest too: both sides are left with about half of them, and fewer pieces come of it.
+constexpr size_t kMostInOrder = 64;
 
 constexpr double kTanPiBy8 = 0.41421356237309503;
 constexpr double kOneDirection = 1e-13; // sine
@@ -248,42 +253,53 @@ void PointView::hideBeyond(std::span<const dvec3> polygon, std::vector<Polygon>&
     std::optional<Cone> cone = coneOf(corners);
     if (!cone) return;
     cone->normal = dvec3(0), cone->distance = cone->beyond = -1; // all parts count as beyond
-    hide(*cone, least_, parts);
+    std::vector<const Cone*> before{&*cone};
+    for (Polygon& part : std::exchange(parts, {})) keepLit(std::move(part), before, 0, parts);
 }
 
-// Takes from convex parts what lies in the cone beyond the blocker; what remains is cut along the cone's
-// planes.
-void PointView::hide(const Cone& cone, double least, std::vector<Polygon>& parts) {
-    // Whole where the cone's planes only touch it.
-    const auto isWhole = [&](const Polygon& part) {
-        return allBelow(part, cone.normal, cone.beyond) ||
-               std::ranges::any_of(cone.sides,
-                                   [&](const dvec3& side) { return allBelow(part, side, least); });
+// Nothing where the cone's planes only touch the part.
+PointView::Reach PointView::reachOf(const Cone& cone, std::span<const dvec3> part) const {
+    if (!mayHide(cone, part)) return Reach::nothing;
+    const auto within = [&](const dvec3& side, double offset) {
+        return std::ranges::all_of(part, [&](const dvec3& p) { return glm::dot(p, side) >= offset; });
     };
-    if (std::ranges::all_of(parts, isWhole)) return; // most: no memory is asked for
-    std::vector<Polygon> rest;
-    Polygon in, out;
-    const auto keep = [&](const Polygon& p) {
-        if (p.size() >= 3 && areaOf(p) > least * least) rest.push_back(p);
-    };
-    for (Polygon& part : parts) {
-        if (isWhole(part)) {
-            rest.push_back(std::move(part));
-            continue;
-        }
-        cut(part, cone.normal, cone.distance, -1, out);
-        keep(out);
-        cut(part, cone.normal, cone.distance, 1, in);
-        part.swap(in);
-        for (const dvec3& side : cone.sides) {
-            if (part.empty()) break;
-            cut(part, side, 0, -1, out);
-            keep(out);
-            cut(part, side, 0, 1, in);
-            part.swap(in);
-        }
+    const bool all = within(cone.normal, cone.distance) &&
+                     std::ranges::all_of(cone.sides, [&](const dvec3& side) { return within(side, 0); });
+    return all ? Reach::all : Reach::some;
+}
+
+void PointView::keepLit(Polygon&& part, std::vector<const Cone*>& before, size_t from,
+                        std::vector<Polygon>& lit) const {
+    const size_t end = before.size();
+    const auto leave = [&] { before.resize(end); };
+    for (size_t k = from; k < end; ++k) {
+        const Reach reach = reachOf(*before[k], part);
+        if (reach == Reach::all) return leave();
+        if (reach == Reach::some) before.push_back(before[k]);
     }
-    parts.swap(rest);
+    const size_t count = before.size() - end;
+    if (count == 0) {
+        lit.push_back(std::move(part));
+        return;
+    }
+    if (count > kMostInOrder) std::swap(before[end], before[end + count / 2]);
+    const Cone& cone = *before[end];
+    Polygon in, out;
+    const auto keep = [&] {
+        if (out.size() >= 3 && areaOf(out) > least_ * least_) keepLit(std::move(out), before, end + 1, lit);
+    };
+    cut(part, cone.normal, cone.distance, -1, out);
+    keep();
+    cut(part, cone.normal, cone.distance, 1, in);
+    part.swap(in);
+    for (const dvec3& side : cone.sides) {
+        if (part.empty()) break;
+        cut(part, side, 0, -1, out);
+        keep();
+        cut(part, side, 0, 1, in);
+        part.swap(in);
+    }
+    leave();
 }
 
 bool PointView::mayShow(std::span<const dvec3> polygon) const {
@@ -373,11 +389,9 @@ double PointView::factor(std::span<const dvec3> polygon, std::vector<Polygon>& p
         above.swap(local);
     }
     if (above.empty()) return 0;
-    parts.push_back(std::move(above));
-    for (const Cone& cone : cones_) {
-        if (parts.empty()) return 0;
-        hide(cone, least_, parts);
-    }
+    std::vector<const Cone*> before;
+    for (const Cone& cone : cones_) before.push_back(&cone);
+    keepLit(std::move(above), before, 0, parts);
     double sum = 0;
     for (const Polygon& part : parts) sum += unhinderedFactor(part);
     return sum;

@@ -101,14 +101,20 @@ private:
     Glance glance(std::span<const glm::dvec3> polygon, Local& local) const;
     std::optional<Cone> coneOf(std::span<const glm::dvec3> corners) const; // relative; none if seen edge-on
     bool mayHide(const Cone& cone, std::span<const glm::dvec3> polygon) const;
-    static void hide(const Cone& cone, double least, std::vector<Polygon>& parts);
+    enum class Reach { nothing, some, all };
+    Reach reachOf(const Cone& cone, std::span<const glm::dvec3> part) const;
+    // Adds to `lit` what none of before[from, end) hides of a convex part, cut along their planes: each piece
+    // by those alone that reach into it, and not at all behind one that hides it wholly. `before` grows
+    // meanwhile.
+    void keepLit(Polygon&& part, std::vector<const Cone*>& before, size_t from,
+                 std::vector<Polygon>& lit) const;
 
     glm::dvec3 position_, normal_;
     double least_; // length
     struct Side {
         glm::dvec3 normal; // inward
-        double offset;  // from the point
-        double inWorld; // the same from the world's origin
+        double offset;     // from the point
+        double inWorld;    // the same from the world's origin
     };
     std::vector<Side> frame_; // planes that bound what is seen; none: everything
     std::vector<Cone> cones_;

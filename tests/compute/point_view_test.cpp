@@ -102,6 +102,30 @@ TEST(PointView, a_sheet_takes_its_shadow_and_no_more) {
     EXPECT_TRUE(parts.empty());
 }
 
+// A lattice of 18 x 18 sheets, of whose shadows, side by side, the form factors are known.
+TEST(PointView, behind_a_crowd_what_is_seen_is_exact_and_in_few_pieces) {
+    constexpr int kRow = 18;
+    constexpr double kStep = 2.0 / kRow, kSheet = 0.6 * kStep;
+    geometry::PatchMesh mesh = test::boxRoom({.low = dvec3(-3, 0, -3), .high = dvec3(3, 2, 3)});
+    const auto corner = [](double x, double z) { // signed: of rectangles between corners
+        return std::copysign(parallelCorner(std::abs(x) / 2, std::abs(z) / 2), x * z);
+    };
+    const auto F = [&](double x0, double x1, double z0, double z1) {
+        return corner(x1, z1) - corner(x0, z1) - corner(x1, z0) + corner(x0, z0);
+    };
+    double lit = F(-2, 2, -2, 2);
+    for (int i = 0; i < kRow; ++i)
+        for (int k = 0; k < kRow; ++k) {
+            const double x = -1 + (i + 0.2) * kStep, z = -1 + (k + 0.2) * kStep;
+            addRectangle(mesh, rectangle(x, x + kSheet, z, z + kSheet, 1));
+            lit -= F(2 * x, 2 * (x + kSheet), 2 * z, 2 * (z + kSheet));
+        }
+    const PointView view(Blockers(mesh), {0, 0, 0}, {0, 1, 0}, 0);
+    std::vector<PointView::Polygon> parts;
+    EXPECT_NEAR(view.factor(rectangle(-2, 2, -2, 2, 2), parts), lit, 1e-12);
+    EXPECT_LE(parts.size(), 620u); // 594; by one sheet after the other in their order 683
+}
+
 TEST(ViewCells, of_slivers_have_shares_that_are_numbers) {
     const dvec3 up(0, 0, 1);
     const auto weightsOf = [&](double height) {
