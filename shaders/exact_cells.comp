@@ -12,6 +12,7 @@
 #include "shaders/lib/visible_polygon.glsl"
 #include "shaders/lib/hidden_stretches.glsl"
 #include "shaders/lib/monte_carlo_points.glsl"
+#include "shaders/lib/near_blockers.glsl"
 #include "shaders/lib/lit_along_lines.glsl"
 
 // Of lines: their errors fall faster than their cost rises, but where they do not matter a few are enough, and behind
@@ -51,6 +52,10 @@ void loadPair(uint record) {
     pair.innerSize = pieceSize();
 }
 
+void lookFrom(vec2 a, vec2 b, vec2 c) {
+    findNear(innerFrame, origin, vec3[3](lift(outerFrame, a), lift(outerFrame, b), lift(outerFrame, c)));
+}
+
 float openFrom(vec2 at) {
     return kInverseTwoPi * max(0.0, wholeSum(innerFrame, lift(outerFrame, at), outerFace.normal));
 }
@@ -58,14 +63,14 @@ float openFrom(vec2 at) {
 float seen(vec2 at) {
     vec3 point = lift(outerFrame, at);
     lineCount = 0;
-    linesLost = crowded();
+    linesLost = crowded() && nearCount > 0u;
     bool hidden = false;
-    NO_UNROLL for (uint m = 0u; m < pair.r.listed && !hidden && !linesLost; ++m)
-        hidden = castShadow(innerFrame, origin, faceAt(lists[pair.r.firstListed + m]), point, m, pair.innerSize);
+    NO_UNROLL for (uint m = 0u; m < nearCount && !hidden && !linesLost; ++m)
+        hidden = castShadow(innerFrame, origin, faceAt(blockerAt(m)), point, m, pair.innerSize);
     float share = 1.0;
     NO_UNROLL for (bool once = linesLost && !hidden; once; once = false) {
-        share = litShareAlongLines(innerFrame, origin, point, outerFace.normal, pair.r.inner, pair.r.firstListed,
-                                   pair.r.listed, foursFor(pair.r.listed));
+        share = litShareAlongLines(innerFrame, origin, point, outerFace.normal, pair.r.inner, nearCount,
+                                   foursFor(pair.r.listed));
         lineCount = 0;
     }
     float lit = hidden ? 0.0 : share * max(0.0, litFactor(innerFrame, point, outerFace.normal, pair.innerSize));

@@ -116,6 +116,8 @@ float wholeFrom(vec2 at) {
     return overRim(rim);
 }
 
+void lookFrom(vec2 a, vec2 b, vec2 c) {}
+
 float openFrom(vec2 at) { return kBlockers == 0u ? 1.0 : kInverseTwoPi * max(0.0, wholeFrom(at)); }
 
 float seen(vec2 at) {

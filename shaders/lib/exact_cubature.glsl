@@ -2,6 +2,7 @@
 // whose two rules disagree are split in four for the next round. The shader that includes this declares what is seen,
 // from a point given in the plane of the outer piece:
 //   void loadPair(uint record);        sets `pair` and, at the first level, `outer`
+//   void lookFrom(vec2 a, vec2 b, vec2 c);  a cell, before the points in it
 //   float seen(vec2 at);               form factor from the point to what it sees of the inner piece
 //   vec3 fromInner(vec2 at);           the point, relative to a corner of the inner piece
 //   float openFrom(vec2 at);           form factor in the open, or 1 where that does not matter
@@ -50,6 +51,7 @@ const float kStraight = 0.95; // cosine between both normals, from which pieces 
 const float kInPlane = 1e-6; // of both pieces' sizes: edges nearer to the outer one's plane lie in it
 
 void loadPair(uint record);
+void lookFrom(vec2 a, vec2 b, vec2 c);
 float seen(vec2 at);
 vec3 fromInner(vec2 at);
 float openFrom(vec2 at);
@@ -81,6 +83,7 @@ vec2 overCell(vec2 a, vec2 b, vec2 c, bool quick, bool probed) {
     // One call, so that drivers that inline everything compile it once.
     int points = quick ? 4 : 7, all = points + (probed ? 3 : 0), k = 0;
     views = 0u;
+    lookFrom(a, b, c);
     vec3 far = vec3(0.0);
     float beyond = 0.0;
     [[dont_unroll]] do {

@@ -47,7 +47,7 @@ void narrowBy(inout Stretches s, Frame f, Chords c, vec3 normal, float offset) {
 
 // What any of the listed blockers hides of the lines from a point. Four corners a turn, whosever they are: turns are
 // few on some devices (loop_limit.glsl).
-uvec4 hiddenOf(Frame f, Origin o, vec3 point, uint firstListed, uint listed, Chords c, vec4 jitter) {
+uvec4 hiddenOf(Frame f, Origin o, vec3 point, uint listed, Chords c, vec4 jitter) {
     uvec4 hidden = uvec4(0u);
     vec3 toFrame = f.origin - point, k0 = vec3(0.0);
     Face blocker;
@@ -57,7 +57,7 @@ uvec4 hiddenOf(Frame f, Origin o, vec3 point, uint firstListed, uint listed, Cho
     uint m = 0u, corner = 0u;
     [[dont_unroll]] do {
         if (corner == 0u) {
-            blocker = faceAt(lists[firstListed + min(m, max(listed, 1u) - 1u)]); // the last one again does no harm
+            blocker = faceAt(blockerAt(m));
             k0 = cornerFrom(o, blocker.first + blocker.count - 1u) - point;
             float height = dot(blocker.normal, k0);
             edgeOn = abs(height) <= kFlat * length(k0);
@@ -77,13 +77,13 @@ uvec4 hiddenOf(Frame f, Origin o, vec3 point, uint firstListed, uint listed, Cho
             corner = 0u;
             ++m;
         }
-    } while (subgroupAny(m < listed));
+    } while (subgroupAny(m < listed && hidden != uvec4(~0u)));
     return hidden;
 }
 
 // The share of the piece that is seen, by what it would carry.
 // `inner` is the piece's number: pairs that share a point must not err alike.
-float litShareAlongLines(Frame f, Origin o, vec3 point, vec3 normal, uint inner, uint firstListed, uint listed,
+float litShareAlongLines(Frame f, Origin o, vec3 point, vec3 normal, uint inner, uint listed,
                          uint fours) {
     vec2 along = longest(), across = vec2(-along.y, along.x), range = vec2(kHuge, -kHuge);
     NO_UNROLL for (int k = 0; k < pieceCorners; ++k)
@@ -101,7 +101,7 @@ float litShareAlongLines(Frame f, Origin o, vec3 point, vec3 normal, uint inner,
         vec4 strip = 4.0 * float(four) + vec4(0.0, 1.0, 2.0, 3.0) + vec4(u, 1.0 - u, 1.0 - u, u);
         vec4 jitter = fract(start + kGolden * (4.0 * float(four) + vec4(0.0, 1.0, 2.0, 3.0)));
         Chords c = chordsAt(along, mix(vec4(range.x), vec4(range.y), strip / (4.0 * float(fours))));
-        uvec4 hidden = hiddenOf(f, o, point, firstListed, four < fours ? listed : 0u, c, jitter);
+        uvec4 hidden = hiddenOf(f, o, point, four < fours ? listed : 0u, c, jitter);
         vec4 dx = c.toX - c.fromX, dy = c.toY - c.fromY, chord = sqrt(dx * dx + dy * dy);
         uint bit = 0u;
         [[dont_unroll]] do { // two bits at a time
