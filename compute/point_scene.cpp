@@ -251,7 +251,9 @@ void PointScene::forRoomsSeen(const PointView& view, const RoomBeyond& here, con
             const Opening& to = openings_[facing.to];
             if (!anyShows(framed, to.region.corners)) continue;
             std::vector<PointView::Polygon> open = parts;
-            for (const PointView::Polygon& wall : facing.hiddenBy) view.hideBeyond(wall, open);
+            std::vector<const PointView::Polygon*> hiding;
+            for (const PointView::Polygon& wall : facing.hiddenBy) hiding.push_back(&wall);
+            view.hideBeyond(hiding, open);
             RoomBeyond next{to.region.room, here.panes};
             next.panes.push_back({&window(from), from.normal, false});
             next.panes.push_back({&window(to), to.normal, true});
@@ -319,8 +321,10 @@ void PointScene::outsideOf(const PointView& view, const RoomBeyond& beyond, cons
             continue;
         if (view.factor(opening.region.corners, parts) <= 0) continue;
         const std::vector<PointView> framed = framesOf(view, parts);
+        std::vector<const PointView::Polygon*> hiding;
         for (const PointView::Polygon& wall : opening.hiddenBy)
-            if (anyShows(framed, wall)) view.hideBeyond(wall, parts);
+            if (anyShows(framed, wall)) hiding.push_back(&wall);
+        view.hideBeyond(hiding, parts);
         const glm::dvec3 t = pane.glazing().transmissivity;
         const bool grey = t.x == t.y && t.y == t.z && !pane.glazing().isHole() && !pane.hasBlind();
         for (const PointView::Polygon& part : parts) work(part, {&pane, opening.normal, &beyond, grey});

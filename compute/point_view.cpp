@@ -247,13 +247,19 @@ bool PointView::mayHide(const Cone& cone, std::span<const dvec3> polygon) const 
                         [&](const dvec3& side) { return allBelow(polygon, side, least_); });
 }
 
-void PointView::hideBeyond(std::span<const dvec3> polygon, std::vector<Polygon>& parts) const {
+void PointView::hideBeyond(std::span<const Polygon* const> polygons, std::vector<Polygon>& parts) const {
+    std::vector<Cone> cones;
     Polygon corners;
-    for (const dvec3& p : polygon) corners.push_back(p - position_);
-    std::optional<Cone> cone = coneOf(corners);
-    if (!cone) return;
-    cone->normal = dvec3(0), cone->distance = cone->beyond = -1; // all parts count as beyond
-    std::vector<const Cone*> before{&*cone};
+    for (const Polygon* polygon : polygons) {
+        corners.clear();
+        for (const dvec3& p : *polygon) corners.push_back(p - position_);
+        std::optional<Cone> cone = coneOf(corners);
+        if (!cone) continue;
+        cone->normal = dvec3(0), cone->distance = cone->beyond = -1; // all parts count as beyond
+        cones.push_back(std::move(*cone));
+    }
+    std::vector<const Cone*> before;
+    for (const Cone& cone : cones) before.push_back(&cone);
     for (Polygon& part : std::exchange(parts, {})) keepLit(std::move(part), before, 0, parts);
 }
 

@@ -79,8 +79,8 @@ public:
     // overwritten.
     double openFactor(std::span<const glm::dvec3> polygon, Polygon& above) const;
 
-    // Takes from parts what a polygon (world) hides that stands beyond all of them, as outside of a window.
-    void hideBeyond(std::span<const glm::dvec3> polygon, std::vector<Polygon>& parts) const;
+    // Takes from parts what polygons (world) hide that stand beyond all of them, as outside of a window.
+    void hideBeyond(std::span<const Polygon* const> polygons, std::vector<Polygon>& parts) const;
 
     glm::dvec3 position() const { return position_; }
     glm::dvec3 normal() const { return normal_; }

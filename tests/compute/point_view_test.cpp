@@ -83,7 +83,7 @@ TEST(PointView, windows_are_hidden_by_what_stands_before_them_in_a_large_unit) {
         for (dvec3& p : pane) p *= unit;
         for (dvec3& p : before) p *= unit;
         std::vector<PointView::Polygon> parts{pane};
-        view.hideBeyond(before, parts);
+        view.hideBeyond(std::vector<const PointView::Polygon*>{&before}, parts);
         EXPECT_TRUE(parts.empty()) << unit;
     }
 }
