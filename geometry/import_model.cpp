@@ -102,6 +102,13 @@ private:
             if (!standOutside(sheets->open, out.building, lookIn(out), kPlanarOfExtent * extent_))
                 return std::nullopt;
             out.building.warnings.push_back(sheetsOutside(sheets->open));
+            const auto dark = panesBehind(sheets->open, out.building, kPlanarOfExtent * extent_);
+            if (!dark.empty())
+                out.building.warnings.push_back(
+                    fmt::format("{} (the first at {}) {} at nothing but these: light enters past their edges "
+                                "alone",
+                                counted(dark.size(), "window"), model_.place(out.source[dark[0]]),
+                                dark.size() == 1 ? "looks" : "look"));
             return out;
         } catch (const InputError&) {
             return std::nullopt;

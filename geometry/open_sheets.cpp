@@ -68,9 +68,13 @@ std::optional<OpenSheets> openSheets(const std::vector<SoupFace>& faces,
         const auto isWhole = [&](uint32_t k) { return !isCut[k]; };
         if (stays[s] && (std::ranges::any_of(drawn[0], isWhole) || std::ranges::any_of(drawn[1], isWhole)))
             continue;
+        if (!stays[s]) { // once, from however many sides it is drawn
+            const size_t turned = drawn[0].empty() ? 1 : 0;
+            out.open.push_back(pieceOf(faces[drawn[turned][0]], sheets[s], turned));
+            continue;
+        }
         for (const size_t turned : {0u, 1u})
-            for (const uint32_t k : drawn[turned])
-                (stays[s] ? out.closed : out.open).push_back(pieceOf(faces[k], sheets[s], turned));
+            for (const uint32_t k : drawn[turned]) out.closed.push_back(pieceOf(faces[k], sheets[s], turned));
     }
     for (size_t k = 0; k < faces.size(); ++k)
         if (!isCut[k]) out.closed.push_back(faces[k]);

@@ -9,6 +9,7 @@
 #include <optional>
 
 #include <glm/geometric.hpp>
+#include <glm/trigonometric.hpp>
 
 #include "geometry/bounds.h"
 #include "geometry/box_tree.h"
@@ -32,6 +33,7 @@ constexpr double kLeastOfRoom = 0.25;  // of the lowest room's height: what is n
 constexpr double kLeastWalls = 0.5;    // of its square: so much of a room's walls; leaves of a tree have less
 constexpr double kSteep = 0.7;         // of a normal's height: walls are
 constexpr double kLeastSteep = 0.1;    // of the area of what has walls
+constexpr double kParallel = 1e-6;     // sine: planes that meet nowhere
 constexpr double kOffVertical = 0.176; // tangent: up and down are four ways, not along a joint
 
 struct FlatFace {
@@ -151,22 +153,51 @@ private:
     }
 
     bool meet(const FlatFace& sheet, const FlatFace& wall) const {
-        return anyPierces(sheet, wall) || anyPierces(wall, sheet) || (wall.isGlass && covers(sheet, wall));
+        return cross(sheet, wall) || (wall.isGlass && covers(sheet, wall));
     }
 
-    // Whether an edge of one goes through the other, other than at its border.
-    bool anyPierces(const FlatFace& one, const FlatFace& other) const {
-        for (const auto& loop : one.loops)
-            for (size_t k = 0; k < loop.size(); ++k) {
-                const dvec3 a = loop[k], b = loop[(k + 1) % loop.size()];
-                const double from = other.height(a), to = other.height(b);
-                if (from * to >= 0 || std::min(std::abs(from), std::abs(to)) <= tolerance_) continue;
-                if (!std::ranges::any_of(other.triangles,
-                                         [&](const auto& t) { return distanceTo(t, a, b - a).has_value(); }))
-                    continue;
-                if (toBorder(other, a + from / (from - to) * (b - a)) > tolerance_) return true;
+    // Whether the line of both planes runs on both faces, and not along the border of either.
+    bool cross(const FlatFace& one, const FlatFace& other) const {
+        const dvec3 line = glm::cross(one.normal, other.normal);
+        if (!(glm::length(line) > kParallel)) return false;
+        const dvec3 way = glm::normalize(line);
+        for (const auto& s : one.triangles) {
+            const auto onOne = stretchOn(s, other, way);
+            for (const auto& t : other.triangles) {
+                if (!onOne) break;
+                const auto onOther = stretchOn(t, one, way);
+                if (!onOther) continue;
+                const double from = std::max(onOne->from, onOther->from),
+                             to = std::min(onOne->to, onOther->to);
+                if (to - from <= 2 * tolerance_) continue;
+                const dvec3 middle = onOne->origin + 0.5 * (from + to) * way;
+                if (toBorder(one, middle) > tolerance_ && toBorder(other, middle) > tolerance_) return true;
             }
+        }
         return false;
+    }
+
+    // What of the face's plane crosses a triangle, not only touches it; `origin` plus heights along `way`.
+    struct Stretch {
+        dvec3 origin;
+        double from, to;
+    };
+    std::optional<Stretch> stretchOn(const std::array<dvec3, 3>& triangle, const FlatFace& face,
+                                     dvec3 way) const {
+        std::array<double, 3> height{};
+        for (size_t k = 0; k < 3; ++k) height[k] = face.height(triangle[k]);
+        if (std::ranges::max(height) <= tolerance_ || std::ranges::min(height) >= -tolerance_)
+            return std::nullopt;
+        std::optional<Stretch> out;
+        for (size_t k = 0; k < 3; ++k) {
+            const double a = height[k], b = height[(k + 1) % 3];
+            if ((a > 0) == (b > 0)) continue;
+            const dvec3 p = triangle[k] + a / (a - b) * (triangle[(k + 1) % 3] - triangle[k]);
+            const double along = glm::dot(p, way);
+            if (!out) out = Stretch{p - along * way, along, along};
+            out->from = std::min(out->from, along), out->to = std::max(out->to, along);
+        }
+        return out;
     }
 
     static double toBorder(const FlatFace& face, dvec3 p) {
@@ -265,7 +296,42 @@ private:
     std::vector<double> reach_;         // per sheet: how far off what it sees may be its room's
 };
 
+// Steepest first, and along no pane: what stands before it lets light in past its edges.
+std::vector<dvec3> waysOutOf(dvec3 normal) {
+    const dvec3 u =
+        glm::normalize(glm::cross(normal, std::abs(normal.y) < 0.9 ? dvec3(0, 1, 0) : dvec3(1, 0, 0)));
+    const dvec3 v = glm::cross(normal, u);
+    std::vector<dvec3> out;
+    for (const double steep : {75.0, 45.0, 15.0})
+        for (int k = 0; k < kAzimuths; ++k) {
+            const double turn = 2 * std::numbers::pi * (k + 0.5) / kAzimuths, up = glm::radians(steep);
+            out.push_back(std::cos(up) * (std::cos(turn) * u + std::sin(turn) * v) - std::sin(up) * normal);
+        }
+    return out;
+}
+
 } // namespace
+
+std::vector<uint32_t> panesBehind(const std::vector<SoupFace>& sheets, const Building& rooms,
+                                  double tolerance) {
+    std::vector<std::array<dvec3, 3>> before;
+    for (const FlatFace& sheet : flatFacesOf(weldFaces(sheets, 1, tolerance, true)))
+        before.insert(before.end(), sheet.triangles.begin(), sheet.triangles.end());
+    std::vector<uint32_t> out;
+    for (uint32_t f = 0; f < rooms.faces.size(); ++f) {
+        const Face& face = rooms.faces[f];
+        if (face.twin != kNoTwin || !rooms.materials[face.material].isOpening()) continue;
+        const auto t = triangulateFace(rooms, face)[0];
+        const dvec3 middle = (rooms.vertices[t[0]] + rooms.vertices[t[1]] + rooms.vertices[t[2]]) / 3.0;
+        const dvec3 normal = glm::normalize(areaVector(rooms.vertices, face.loops[0]));
+        if (std::ranges::all_of(waysOutOf(normal), [&](dvec3 way) {
+                return std::ranges::any_of(
+                    before, [&](const auto& sheet) { return distanceTo(sheet, middle, way).has_value(); });
+            }))
+            out.push_back(f);
+    }
+    return out;
+}
 
 bool standOutside(const std::vector<SoupFace>& sheets, const Building& rooms, bool looksIn,
                   double tolerance) {

@@ -1,6 +1,7 @@
 // Whether open sheets stand outside of rooms, or are what is drawn of a room with a hole in its shell.
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 #include "geometry/building.h"
@@ -14,5 +15,10 @@ namespace heliodon::geometry {
 // as a neighbour without its floor. Within `tolerance` (metres) all may touch. Cost: sheets times faces of
 // rooms that are near, and some hundreds of points times all triangles.
 bool standOutside(const std::vector<SoupFace>& sheets, const Building& rooms, bool looksIn, double tolerance);
+
+// Windows of rooms, by face, that look at nothing but such sheets, as behind an outer skin without holes.
+// Cost: at most 72 ways times windows times sheets.
+std::vector<uint32_t> panesBehind(const std::vector<SoupFace>& sheets, const Building& rooms,
+                                  double tolerance);
 
 } // namespace heliodon::geometry

@@ -163,15 +163,13 @@ TEST(OpenSheets, a_neighbour_without_its_floor_stands_outside) {
     expectOutside(drawing, "neighbour", "5");
 }
 
-// Whichever way it is drawn, the side that the window sees hides the sky.
+// Whichever way it is drawn, or for both sides, the one that the window sees hides the sky, once.
 TEST(OpenSheets, both_sides_of_them_shade) {
-    for (const bool over : {false, true}) {
+    for (const int drawn : {1, 2, 3}) {
         Drawing drawing(false);
         drawing.room(0, -1, true);
-        if (over)
-            drawing.sheet({0, 2.3, -1}, {0, 0, 0.9}, {4, 0, 0});
-        else
-            drawing.sheet({0, 2.3, -1}, {4, 0, 0}, {0, 0, 0.9});
+        if (drawn & 1) drawing.sheet({0, 2.3, -1}, {0, 0, 0.9}, {4, 0, 0});
+        if (drawn & 2) drawing.sheet({0, 2.3, -1}, {4, 0, 0}, {0, 0, 0.9});
         const Occluders outside = drawing.read().outside;
         ASSERT_EQ(outside.triangles.size(), 6u);
         for (size_t t = 0; t < 6; t += 3) {
@@ -186,7 +184,13 @@ TEST(OpenSheets, both_sides_of_them_shade) {
 
 TEST(OpenSheets, in_rooms_and_through_their_walls_they_are_refused) {
     const dvec3 x(1, 0, 0), y(0, 1, 0), z(0, 0, 1);
-    const std::array<Sheets, 4> cases{[&](Drawing& d) {
+    const std::array<Sheets, 6> cases{[&](Drawing& d) {
+                                          d.sheet({3.3, 0, -10}, 14.0 * z, 2.5 * y); // from floor to ceiling
+                                      },
+                                      [&](Drawing& d) {
+                                          d.sheet({1, 1, -1}, 2.0 * x, 1.1 * z); // as wide as the pane
+                                      },
+                                      [&](Drawing& d) {
                                           d.sheet({1, 1, 2}, x, z);
                                       },
                                       [&](Drawing& d) {
@@ -204,6 +208,19 @@ TEST(OpenSheets, in_rooms_and_through_their_walls_they_are_refused) {
             if (overhang) drawing.sheet({0, 2.5, -1}, 4.0 * x, z);
             EXPECT_THROW(drawing.read(), InputError) << &sheets - cases.data();
         }
+}
+
+TEST(OpenSheets, a_window_behind_an_outer_skin_without_holes_is_told) {
+    Drawing drawing(false);
+    drawing.room(0, -1, true);
+    const dvec3 o(-0.1, 0, -0.1), x(4.2, 0, 0), y(0, 2.6, 0), z(0, 0, 5.2);
+    for (const auto& [at, u, v] : {std::tuple(o, y, x), std::tuple(o, z, y), std::tuple(o + x, y, z),
+                                   std::tuple(o + z, x, y), std::tuple(o + y, z, x)})
+        drawing.sheet(at, u, v);
+    EXPECT_TRUE(std::ranges::any_of(drawing.read().warnings, [](const std::string& warning) {
+        return warning.starts_with("1 window (the first at ") &&
+               warning.find("looks at nothing but these") != std::string::npos;
+    }));
 }
 
 // With a window or without, apart or behind a common wall, over the ground or not.
