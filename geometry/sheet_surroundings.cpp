@@ -26,13 +26,15 @@ namespace {
 
 using glm::dvec3;
 
-constexpr size_t kMostSamples = 400;   // triangles of sheets that are looked from
-constexpr double kEnclosed = 4.5;      // of six sides, the four about counted by their angles
-constexpr int kAzimuths = 24;          // ways that are looked along about, and
-constexpr double kLeastOfRoom = 0.25;  // of the lowest room's height: what is narrower is none
-constexpr double kLeastWalls = 0.5;    // of its square: so much of a room's walls; leaves of a tree have less
-constexpr double kSteep = 0.7;         // of a normal's height: walls are
-constexpr double kLeastSteep = 0.1;    // of the area of what has walls
+constexpr size_t kMostSamples = 400;  // triangles of sheets that are looked from
+constexpr double kEnclosed = 4.5;     // of six sides, the four about counted by their angles
+constexpr int kAzimuths = 24;         // ways that are looked along about, and
+constexpr double kLeastOfRoom = 0.25; // of the lowest room's height: what is narrower is none
+constexpr double kLeastWalls = 0.5;   // of its square: so much of a room's walls; leaves of a tree have less
+constexpr double kSteep = 0.7;        // of a normal's height: walls are
+constexpr double kLeastSteep = 0.1;   // of the area of what has walls
+// Metres: of buildings neither an attic nor a hall says how high the least room is; lower are models.
+constexpr double kAttic = 1, kLowRoom = 2, kHighRoom = 3;
 constexpr double kParallel = 1e-6;     // sine: planes that meet nowhere
 constexpr double kOffVertical = 0.176; // tangent: up and down are four ways, not along a joint
 
@@ -95,6 +97,7 @@ public:
             }
         setReach(sheets, all.diagonal());
         for (const Bounds& box : ofRooms) height_ = std::min(height_, (box.high - box.low).y);
+        if (height_ > kAttic) height_ = std::clamp(height_, kLowRoom, kHighRoom);
         for (const FlatFace& face : rooms_) {
             boxes_.push_back(face.box);
             for (const auto& t : face.triangles) shell_.push_back({t[0], t[1], t[2]});
@@ -292,7 +295,7 @@ private:
     std::vector<ShellTriangle> shell_;      // the same
     std::vector<std::array<dvec3, 3>> all_; // triangles of both
     bool looksIn_;
-    double tolerance_, height_ = 1e300; // the latter of the lowest room
+    double tolerance_, height_ = 1e300; // the latter of a low room
     std::vector<double> reach_;         // per sheet: how far off what it sees may be its room's
 };
 

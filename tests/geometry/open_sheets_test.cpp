@@ -265,3 +265,27 @@ TEST(OpenSheets, a_room_whose_walls_do_not_meet_is_no_sheet) {
     drawing.room(6, -1, false, 0.02);
     EXPECT_THROW(drawing.read(), InputError);
 }
+
+// What a room is, neither a hall nor an attic beside it says.
+TEST(OpenSheets, high_and_low_rooms_are_no_measure) {
+    const auto box = [](Drawing& d, dvec3 o, dvec3 size, bool closed) {
+        const dvec3 x(size.x, 0, 0), y(0, size.y, 0), z(0, 0, size.z);
+        for (const auto& [at, u, v] : {std::tuple(o, z, x), std::tuple(o, y, z), std::tuple(o + x, z, y),
+                                       std::tuple(o + z, y, x), std::tuple(o, x, y)})
+            d.sheet(at, u, v);
+        if (closed) d.sheet(o + y, x, z);
+    };
+    Drawing hall(false);
+    box(hall, {0, 0, 0}, {10, 8, 10}, true);
+    box(hall, {12, 0, 0}, {3, 2.6, 3}, false);
+    EXPECT_THROW(hall.read(), InputError);
+
+    Drawing house(false);
+    house.room(0, -1, true);
+    box(house, {0, 2.6, 0}, {4, 1.5, 5}, true);
+    const dvec3 o(0, 0, -1.2), x(4, 0, 0), y(0, 1, 0), z(0, 0, 1.2); // a balcony and its parapet
+    for (const auto& [at, u, v] :
+         {std::tuple(o, x, z), std::tuple(o, x, y), std::tuple(o, z, y), std::tuple(o + x, z, y)})
+        house.sheet(at, u, v);
+    EXPECT_EQ(house.read().roomCount, 2u);
+}
