@@ -166,13 +166,15 @@ void dropTouching(const geometry::PatchMesh& mesh, const Sheet& a, const Sheet& 
         }
 }
 
+// Faces as near to a wall as to hide nothing of it, kSamePlane, touch it: what they leave to be seen is hidden
+// by the backs behind them.
 void dropTouching(const geometry::PatchMesh& mesh, std::span<const uint32_t> plane, double size,
                   Surfaces& surfaces) {
     const std::vector<Sheet> sheets = sheetsOf(mesh, plane);
     for (const Sheet& a : sheets)
         for (const Sheet& b : oppositeSheets(sheets, a))
             if (b.room == a.room && glm::dot(a.normal, b.normal) < -0.999 &&
-                std::abs(glm::dot(b.origin - a.origin, a.normal)) <= 2 * kOnePlane * size)
+                std::abs(glm::dot(b.origin - a.origin, a.normal)) <= (kSamePlane + kOnePlane) * size)
                 dropTouching(mesh, a, b, 1e-8 * size, surfaces);
 }
 

@@ -237,6 +237,27 @@ TEST(HardCases, a_die_over_a_floor_of_a_kilometre_claims_errors_of_its_size) {
     EXPECT_LT(F.report.claimedRowError, 5);
 }
 
+// What lies this near to a floor hides nothing of it, so the box's far side has to: seen from behind.
+TEST(HardCases, boxes_that_float_or_sink_by_ten_micrometres_hide_the_floor_beneath) {
+    for (const double height : {1e-5, -1e-5}) {
+        Polygons polygons = box({0, 0, 0}, {2.7, 2.7, 2.7}, true);
+        const Polygons cabinet = box({0.8, height, 0.9}, {1, 0.4, 0.8}, false);
+        polygons.insert(polygons.end(), cabinet.begin(), cabinet.end());
+        const geometry::PatchMesh mesh = test::meshOf(polygons);
+        const size_t n = mesh.patchCount(), floor = 2, ceiling = 3;
+        const double truth = reference::exchangeIn(mesh, floor, ceiling, 1e-5, 1000).value / (2.7 * 2.7);
+        TableRow row(fmt::format("cabinet {} a floor by 1e-5", height > 0 ? "above" : "sunk into"),
+                     fmt::format("{:.8g}", truth));
+        for (Judged judged : judgedKernels()) {
+            judged.options.maxError = std::max(judged.options.maxError, 1e-4);
+            const double error = std::abs(double{matrixOf(mesh, judged.options)[floor * n + ceiling]} - truth);
+            const double tolerance = std::max(1e-4, judged.tolerance);
+            EXPECT_LE(error, tolerance) << judged.kernel << " " << height;
+            row.add(error, tolerance);
+        }
+    }
+}
+
 // All pairs are near, so that links alone say what may be missed; few of their rays find a slot.
 TEST(HardCases, hemicubes_claim_what_rays_miss_of_slots) {
     const Polygon floor = rectangle({0, 0, 0}, {0, 0, 1}, {1, 0, 0}),
