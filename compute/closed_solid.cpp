@@ -166,8 +166,8 @@ void dropTouching(const geometry::PatchMesh& mesh, const Sheet& a, const Sheet& 
         }
 }
 
-// Faces as near to a wall as to hide nothing of it, kSamePlane, touch it: what they leave to be seen is hidden
-// by the backs behind them.
+// Faces as near to a wall as to hide nothing of it, kSamePlane, touch it: what they leave to be seen is
+// hidden by the backs behind them.
 void dropTouching(const geometry::PatchMesh& mesh, std::span<const uint32_t> plane, double size,
                   Surfaces& surfaces) {
     const std::vector<Sheet> sheets = sheetsOf(mesh, plane);

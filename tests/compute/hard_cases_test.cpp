@@ -255,7 +255,8 @@ TEST(HardCases, boxes_that_float_or_sink_by_ten_micrometres_hide_the_floor_benea
                      fmt::format("{:.8g}", truth));
         for (Judged judged : judgedKernels()) {
             judged.options.maxError = std::max(judged.options.maxError, 1e-4);
-            const double error = std::abs(double{matrixOf(mesh, judged.options)[floor * n + ceiling]} - truth);
+            const double error =
+                std::abs(double{matrixOf(mesh, judged.options)[floor * n + ceiling]} - truth);
             const double tolerance = std::max(1e-4, judged.tolerance);
             EXPECT_LE(error, tolerance) << judged.kernel << " " << height;
             row.add(error, tolerance);
