@@ -97,22 +97,27 @@ private:
                 if (over)
                     for (auto& loop : side.loops) std::ranges::reverse(loop);
             }
+        std::optional<ModelRooms> out;
         try {
-            ModelRooms out = roomsOfModel(model_, faces, extent_, made, beforePart);
-            if (!standOutside(sheets->open, out.building, lookIn(out), kPlanarOfExtent * extent_))
-                return std::nullopt;
-            out.building.warnings.push_back(sheetsOutside(sheets->open));
-            const auto dark = panesBehind(sheets->open, out.building, kPlanarOfExtent * extent_);
-            if (!dark.empty())
-                out.building.warnings.push_back(
-                    fmt::format("{} (the first at {}) {} at nothing but these: light enters past their edges "
-                                "alone",
-                                counted(dark.size(), "window"), model_.place(out.source[dark[0]]),
-                                dark.size() == 1 ? "looks" : "look"));
-            return out;
+            out = roomsOfModel(model_, faces, extent_, made, beforePart);
         } catch (const InputError&) {
             return std::nullopt;
         }
+        const double tolerance = kPlanarOfExtent * extent_;
+        if (const auto fault = notOutside(sheets->open, out->building, lookIn(*out), tolerance))
+            throw InputError(
+                model_.file, model_.place(fault->surface),
+                fmt::format("the model is not closed: this face {} (what is open has to stand outside of "
+                            "rooms)",
+                            fault->words));
+        out->building.warnings.push_back(sheetsOutside(sheets->open));
+        const auto dark = panesBehind(sheets->open, out->building, tolerance);
+        if (!dark.empty())
+            out->building.warnings.push_back(fmt::format(
+                "{} (the first at {}) {} at nothing but these: light enters past their edges alone",
+                counted(dark.size(), "window"), model_.place(out->source[dark[0]]),
+                dark.size() == 1 ? "looks" : "look"));
+        return out;
     }
 
     std::string sheetsOutside(const std::vector<SoupFace>& sheets) const {

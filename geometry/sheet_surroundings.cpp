@@ -39,7 +39,7 @@ constexpr double kParallel = 1e-6;     // sine: planes that meet nowhere
 constexpr double kOffVertical = 0.176; // tangent: up and down are four ways, not along a joint
 
 struct FlatFace {
-    uint32_t face = 0; // of the building
+    uint32_t face = 0, surface = 0; // of the building, and what that says of it
     dvec3 origin{0}, normal{0};
     std::vector<std::vector<dvec3>> loops;
     std::vector<std::array<dvec3, 3>> triangles;
@@ -54,6 +54,7 @@ std::vector<FlatFace> flatFacesOf(const Building& building) {
     for (const Face& face : building.faces) {
         FlatFace flat;
         flat.face = static_cast<uint32_t>(&face - building.faces.data());
+        flat.surface = face.surface;
         for (const auto& loop : face.loops) {
             flat.loops.emplace_back();
             for (const uint32_t v : loop) flat.loops.back().push_back(building.vertices[v]);
@@ -107,17 +108,21 @@ public:
                 all_.insert(all_.end(), face.triangles.begin(), face.triangles.end());
     }
 
-    bool areOutside() const {
+    std::optional<SheetFault> fault() const {
         const BoxTree tree(boxes_);
         for (const FlatFace& sheet : sheets_) {
             if (std::ranges::any_of(sheet.triangles,
                                     [&](const auto& t) { return isInside(t, sheet.normal); }))
-                return false;
+                return SheetFault{sheet.surface,
+                                  "lies in a room, a sheet without thickness that encloses nothing"};
             if (tree.anyHolding(sheet.box.high + tolerance_, sheet.box.low - tolerance_,
                                 [&](uint32_t i) { return meet(sheet, rooms_[i]); }))
-                return false;
+                return SheetFault{sheet.surface, "goes through a face of a room, or lies on its glass"};
         }
-        return !encloseRoom();
+        if (const auto surface = wallOfRoom())
+            return SheetFault{*surface, "encloses with others a space of a room's size, but for a side: does "
+                                        "that lack its wall, floor or ceiling?"};
+        return std::nullopt;
     }
 
 private:
@@ -274,20 +279,24 @@ private:
                sidesAbout(middleBefore(from, way, width), reach) > kEnclosed;
     }
 
-    bool encloseRoom() const {
+    // A sheet of what encloses a room but for one side; none where nothing does.
+    std::optional<uint32_t> wallOfRoom() const {
         size_t count = 0, next = 0;
         for (const FlatFace& sheet : sheets_) count += sheet.triangles.size();
         const size_t step = (count + kMostSamples - 1) / kMostSamples;
         double area = 0; // of sides that do
+        std::optional<uint32_t> first;
         for (size_t k = 0; k < sheets_.size(); ++k)
             for (const auto& t : sheets_[k].triangles) {
                 if (next++ % step != 0) continue;
                 for (const double side : {1.0, -1.0})
                     if ((side > 0 || !looksIn_) &&
-                        enclosesRoom((t[0] + t[1] + t[2]) / 3.0, side * sheets_[k].normal, reach_[k]))
+                        enclosesRoom((t[0] + t[1] + t[2]) / 3.0, side * sheets_[k].normal, reach_[k])) {
                         area += 0.5 * glm::length(areaVector(t)) * static_cast<double>(step);
+                        if (!first) first = sheets_[k].surface;
+                    }
             }
-        return area > kLeastWalls * height_ * height_;
+        return area > kLeastWalls * height_ * height_ ? first : std::nullopt;
     }
 
     std::vector<FlatFace> sheets_, rooms_;
@@ -336,9 +345,9 @@ std::vector<uint32_t> panesBehind(const std::vector<SoupFace>& sheets, const Bui
     return out;
 }
 
-bool standOutside(const std::vector<SoupFace>& sheets, const Building& rooms, bool looksIn,
-                  double tolerance) {
-    return SheetJudge(weldFaces(sheets, 1, tolerance, true), rooms, looksIn, tolerance).areOutside();
+std::optional<SheetFault> notOutside(const std::vector<SoupFace>& sheets, const Building& rooms, bool looksIn,
+                                     double tolerance) {
+    return SheetJudge(weldFaces(sheets, 1, tolerance, true), rooms, looksIn, tolerance).fault();
 }
 
 } // namespace heliodon::geometry

@@ -253,7 +253,7 @@ TEST(DirtyModel, a_sheet_in_a_closed_room_is_told_from_a_hole_in_the_room) {
     model.vertices.insert(model.vertices.end(), {{2, 0.5, 1}, {2, 2, 1}, {2, 2, 2}, {2, 0.5, 2}});
     model.faces.push_back({8, 9, 10, 11});
     for (const bool triangulated : {false, true})
-        expectRefused(triangulated ? triangles(model) : model, "of a part that encloses nothing");
+        expectRefused(triangulated ? triangles(model) : model, "lies in a room, a sheet without thickness");
     model.faces.erase(model.faces.begin());
     expectRefused(model, "an edge of this face has no neighbour");
 }
