@@ -19,6 +19,7 @@
 #include "geometry/outline_area.h"
 #include "geometry/raw_model.h"
 #include "geometry/sheet_surroundings.h"
+#include "geometry/shell_faces.h"
 #include "geometry/shell_nesting.h"
 
 namespace heliodon::geometry {
@@ -94,8 +95,7 @@ private:
         for (const SoupFace& sheet : sheets->open)
             for (const bool over : {false, true}) {
                 SoupFace& side = faces.outside.emplace_back(sheet);
-                if (over)
-                    for (auto& loop : side.loops) std::ranges::reverse(loop);
+                if (over) turnOver(side);
             }
         std::optional<ModelRooms> out;
         try {
@@ -103,20 +103,20 @@ private:
         } catch (const InputError&) {
             return std::nullopt;
         }
-        const double tolerance = kPlanarOfExtent * extent_;
-        if (const auto fault = notOutside(sheets->open, out->building, lookIn(*out), tolerance))
+        const auto [fault, blind] =
+            judgeSheets(sheets->open, out->building, lookIn(*out), kPlanarOfExtent * extent_);
+        if (fault)
             throw InputError(
                 model_.file, model_.place(fault->surface),
                 fmt::format("the model is not closed: this face {} (what is open has to stand outside of "
                             "rooms)",
                             fault->words));
         out->building.warnings.push_back(sheetsOutside(sheets->open));
-        const auto dark = panesBehind(sheets->open, out->building, tolerance);
-        if (!dark.empty())
+        if (!blind.empty())
             out->building.warnings.push_back(fmt::format(
                 "{} (the first at {}) {} at nothing but these: light enters past their edges alone",
-                counted(dark.size(), "window"), model_.place(out->source[dark[0]]),
-                dark.size() == 1 ? "looks" : "look"));
+                counted(blind.size(), "window"), model_.place(out->source[blind[0]]),
+                blind.size() == 1 ? "looks" : "look"));
         return out;
     }
 

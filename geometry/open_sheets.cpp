@@ -40,8 +40,7 @@ std::vector<bool> hangingFaces(const Building& welded) {
 SoupFace pieceOf(const SoupFace& face, const Sheet& sheet, size_t turned) {
     SoupFace out = face;
     out.loops = sheet.loops;
-    if (turned == 1)
-        for (auto& loop : out.loops) std::ranges::reverse(loop);
+    if (turned == 1) turnOver(out);
     return out;
 }
 

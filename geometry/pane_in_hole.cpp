@@ -324,9 +324,7 @@ std::vector<SoupFace> PaneFitter::fit(std::span<const uint32_t> pane, dvec3 shif
 double PaneFitter::distanceToBorder(std::span<const uint32_t> pane, dvec3 p) const {
     double least = std::numeric_limits<double>::infinity();
     for (const uint32_t f : pane)
-        for (const auto& loop : soup_[f].loops)
-            for (size_t k = 0; k < loop.size(); ++k)
-                least = std::min(least, distanceToSegment(p, loop[k], loop[(k + 1) % loop.size()]));
+        for (const auto& loop : soup_[f].loops) least = std::min(least, distanceToLoop(p, loop));
     return least;
 }
 

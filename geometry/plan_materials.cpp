@@ -39,10 +39,7 @@ double distanceToPiece(glm::dvec2 p, const WallPiece& piece) {
 double distanceToRoom(glm::dvec2 p, const RoomPlan& room) {
     if (contains(room, p)) return 0;
     double nearest = std::numeric_limits<double>::infinity();
-    for (const OutlineLoop& loop : room.loops)
-        for (size_t i = 0; i < loop.points.size(); ++i)
-            nearest = std::min(
-                nearest, distanceToSegment(p, loop.points[i], loop.points[(i + 1) % loop.points.size()]));
+    for (const OutlineLoop& loop : room.loops) nearest = std::min(nearest, distanceToLoop(p, loop.points));
     return nearest;
 }
 

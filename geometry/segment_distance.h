@@ -2,6 +2,8 @@
 #pragma once
 
 #include <algorithm>
+#include <limits>
+#include <vector>
 
 #include <glm/geometric.hpp>
 
@@ -17,6 +19,14 @@ template<class Vector> double placeOnSegment(Vector p, Vector a, Vector b) {
 
 template<class Vector> double distanceToSegment(Vector p, Vector a, Vector b) {
     return glm::length(p - a - placeOnSegment(p, a, b) * (b - a));
+}
+
+// To the nearest edge of a closed outline; infinite where it has no corners.
+template<class Vector> double distanceToLoop(Vector p, const std::vector<Vector>& loop) {
+    double least = std::numeric_limits<double>::infinity();
+    for (size_t k = 0; k < loop.size(); ++k)
+        least = std::min(least, distanceToSegment(p, loop[k], loop[(k + 1) % loop.size()]));
+    return least;
 }
 
 } // namespace heliodon::geometry

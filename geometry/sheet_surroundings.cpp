@@ -16,6 +16,8 @@
 #include "geometry/clip_polygon.h"
 #include "geometry/disjoint_sets.h"
 #include "geometry/outline_area.h"
+#include "geometry/perpendicular.h"
+#include "geometry/ray_triangle.h"
 #include "geometry/segment_distance.h"
 #include "geometry/shell_faces.h"
 #include "geometry/shell_nesting.h"
@@ -42,9 +44,9 @@ struct FlatFace {
     uint32_t face = 0, surface = 0; // of the building, and what that says of it
     dvec3 origin{0}, normal{0};
     std::vector<std::vector<dvec3>> loops;
-    std::vector<std::array<dvec3, 3>> triangles;
+    std::vector<ShellTriangle> triangles;
     Bounds box;
-    bool isGlass = false;
+    bool isGlass = false, isWindow = false; // the latter: to the outside
 
     double height(dvec3 p) const { return glm::dot(p - origin, normal); }
 };
@@ -68,20 +70,10 @@ std::vector<FlatFace> flatFacesOf(const Building& building) {
         flat.normal = glm::normalize(area);
         flat.box = boundsOf(flat.loops[0]);
         flat.isGlass = !building.materials.empty() && building.materials[face.material].isOpening();
+        flat.isWindow = flat.isGlass && face.twin == kNoTwin;
         out.push_back(std::move(flat));
     }
     return out;
-}
-
-// How far along `way` the triangle is met; none where it is not.
-std::optional<double> distanceTo(const std::array<dvec3, 3>& t, dvec3 from, dvec3 way) {
-    const dvec3 u = t[1] - t[0], v = t[2] - t[0], q = glm::cross(way, v), s = from - t[0];
-    const double det = glm::dot(u, q);
-    if (det == 0) return std::nullopt;
-    const dvec3 r = glm::cross(s, u);
-    const double a = glm::dot(s, q) / det, b = glm::dot(way, r) / det, along = glm::dot(v, r) / det;
-    if (a < 0 || b < 0 || a + b > 1 || along <= 0) return std::nullopt;
-    return along;
 }
 
 class SheetJudge {
@@ -101,11 +93,12 @@ public:
         if (height_ > kAttic) height_ = std::clamp(height_, kLowRoom, kHighRoom);
         for (const FlatFace& face : rooms_) {
             boxes_.push_back(face.box);
-            for (const auto& t : face.triangles) shell_.push_back({t[0], t[1], t[2]});
+            shell_.insert(shell_.end(), face.triangles.begin(), face.triangles.end());
         }
-        for (const auto* faces : {&sheets_, &rooms_})
-            for (const FlatFace& face : *faces)
-                all_.insert(all_.end(), face.triangles.begin(), face.triangles.end());
+        for (const FlatFace& sheet : sheets_)
+            open_.insert(open_.end(), sheet.triangles.begin(), sheet.triangles.end());
+        all_ = open_;
+        all_.insert(all_.end(), shell_.begin(), shell_.end());
     }
 
     std::optional<SheetFault> fault() const {
@@ -125,7 +118,33 @@ public:
         return std::nullopt;
     }
 
+    // Windows, by face of the rooms, out of which every way but along the pane ends on a sheet.
+    std::vector<uint32_t> blindWindows() const {
+        std::vector<uint32_t> out;
+        for (const FlatFace& pane : rooms_)
+            if (pane.isWindow && std::ranges::all_of(waysOutOf(pane.normal), [&](dvec3 way) {
+                    return std::ranges::any_of(open_, [&](const ShellTriangle& t) {
+                        return distanceTo(t, pane.triangles[0].middle(), way).has_value();
+                    });
+                }))
+                out.push_back(pane.face);
+        return out;
+    }
+
 private:
+    // Steepest first, and along no pane: what stands before it lets light in past its edges.
+    static std::vector<dvec3> waysOutOf(dvec3 normal) {
+        const dvec3 u = perpendicular(normal), v = glm::cross(normal, u);
+        std::vector<dvec3> out;
+        for (const double steep : {75.0, 45.0, 15.0})
+            for (int k = 0; k < kAzimuths; ++k) {
+                const double turn = 2 * std::numbers::pi * (k + 0.5) / kAzimuths, up = glm::radians(steep);
+                out.push_back(std::cos(up) * (std::cos(turn) * u + std::sin(turn) * v) -
+                              std::sin(up) * normal);
+            }
+        return out;
+    }
+
     // Per sheet, the length of the house, or of what the sheet hangs together with where that has walls: a
     // hall may be longer than the house, but the ground is no floor of a room with the houses across the
     // street for walls.
@@ -153,10 +172,9 @@ private:
     }
 
     // On both sides: what lies on a wall is not.
-    bool isInside(const std::array<dvec3, 3>& t, dvec3 normal) const {
-        const dvec3 middle = (t[0] + t[1] + t[2]) / 3.0;
+    bool isInside(const ShellTriangle& t, dvec3 normal) const {
         return std::ranges::all_of(std::array{1.0, -1.0}, [&](double side) {
-            return crossings(shell_, middle + 2 * side * tolerance_ * normal) % 2 == 1;
+            return crossings(shell_, t.middle() + 2 * side * tolerance_ * normal) % 2 == 1;
         });
     }
 
@@ -169,50 +187,46 @@ private:
         const dvec3 line = glm::cross(one.normal, other.normal);
         if (!(glm::length(line) > kParallel)) return false;
         const dvec3 way = glm::normalize(line);
-        for (const auto& s : one.triangles) {
-            const auto onOne = stretchOn(s, other, way);
-            for (const auto& t : other.triangles) {
-                if (!onOne) break;
-                const auto onOther = stretchOn(t, one, way);
-                if (!onOther) continue;
-                const double from = std::max(onOne->from, onOther->from),
-                             to = std::min(onOne->to, onOther->to);
+        const std::vector<Stretch> onOther = stretchesOn(other, one, way);
+        for (const Stretch& a : stretchesOn(one, other, way))
+            for (const Stretch& b : onOther) {
+                const double from = std::max(a.from, b.from), to = std::min(a.to, b.to);
                 if (to - from <= 2 * tolerance_) continue;
-                const dvec3 middle = onOne->origin + 0.5 * (from + to) * way;
+                const dvec3 middle = a.origin + 0.5 * (from + to) * way;
                 if (toBorder(one, middle) > tolerance_ && toBorder(other, middle) > tolerance_) return true;
             }
-        }
         return false;
     }
 
-    // What of the face's plane crosses a triangle, not only touches it; `origin` plus heights along `way`.
+    // Of triangles of a face that another one's plane crosses, not only touches, where that is: `origin` plus
+    // lengths along `way`, of both planes.
     struct Stretch {
         dvec3 origin;
         double from, to;
     };
-    std::optional<Stretch> stretchOn(const std::array<dvec3, 3>& triangle, const FlatFace& face,
-                                     dvec3 way) const {
-        std::array<double, 3> height{};
-        for (size_t k = 0; k < 3; ++k) height[k] = face.height(triangle[k]);
-        if (std::ranges::max(height) <= tolerance_ || std::ranges::min(height) >= -tolerance_)
-            return std::nullopt;
-        std::optional<Stretch> out;
-        for (size_t k = 0; k < 3; ++k) {
-            const double a = height[k], b = height[(k + 1) % 3];
-            if ((a > 0) == (b > 0)) continue;
-            const dvec3 p = triangle[k] + a / (a - b) * (triangle[(k + 1) % 3] - triangle[k]);
-            const double along = glm::dot(p, way);
-            if (!out) out = Stretch{p - along * way, along, along};
-            out->from = std::min(out->from, along), out->to = std::max(out->to, along);
+    std::vector<Stretch> stretchesOn(const FlatFace& face, const FlatFace& plane, dvec3 way) const {
+        std::vector<Stretch> out;
+        for (const ShellTriangle& t : face.triangles) {
+            const std::array corner{t.a, t.b, t.c};
+            const std::array height{plane.height(t.a), plane.height(t.b), plane.height(t.c)};
+            if (std::ranges::max(height) <= tolerance_ || std::ranges::min(height) >= -tolerance_) continue;
+            std::optional<Stretch> on;
+            for (size_t k = 0; k < 3; ++k) {
+                const double a = height[k], b = height[(k + 1) % 3];
+                if ((a > 0) == (b > 0)) continue;
+                const dvec3 p = corner[k] + a / (a - b) * (corner[(k + 1) % 3] - corner[k]);
+                const double along = glm::dot(p, way);
+                if (!on) on = Stretch{p - along * way, along, along};
+                on->from = std::min(on->from, along), on->to = std::max(on->to, along);
+            }
+            out.push_back(*on); // some height is above, some below
         }
         return out;
     }
 
     static double toBorder(const FlatFace& face, dvec3 p) {
         double least = std::numeric_limits<double>::infinity();
-        for (const auto& loop : face.loops)
-            for (size_t k = 0; k < loop.size(); ++k)
-                least = std::min(least, distanceToSegment(p, loop[k], loop[(k + 1) % loop.size()]));
+        for (const auto& loop : face.loops) least = std::min(least, distanceToLoop(p, loop));
         return least;
     }
 
@@ -222,11 +236,11 @@ private:
                                 [&](dvec3 p) { return std::abs(pane.height(p)) > tolerance_; }))
             return false;
         std::vector<dvec3> part, cut;
-        for (const auto& over : sheet.triangles)
-            for (const auto& t : pane.triangles) {
-                part.assign(over.begin(), over.end());
-                for (size_t k = 0; k < 3; ++k) {
-                    const dvec3 a = t[k], inwards = glm::cross(pane.normal, t[(k + 1) % 3] - a);
+        for (const ShellTriangle& over : sheet.triangles)
+            for (const ShellTriangle& t : pane.triangles) {
+                part = {over.a, over.b, over.c};
+                for (const auto& [a, b] : {std::pair(t.a, t.b), std::pair(t.b, t.c), std::pair(t.c, t.a)}) {
+                    const dvec3 inwards = glm::cross(pane.normal, b - a);
                     clip<dvec3>(
                         part, [&](dvec3 p) { return glm::dot(p - a, inwards); }, cut);
                     std::swap(part, cut);
@@ -291,8 +305,9 @@ private:
                 if (next++ % step != 0) continue;
                 for (const double side : {1.0, -1.0})
                     if ((side > 0 || !looksIn_) &&
-                        enclosesRoom((t[0] + t[1] + t[2]) / 3.0, side * sheets_[k].normal, reach_[k])) {
-                        area += 0.5 * glm::length(areaVector(t)) * static_cast<double>(step);
+                        enclosesRoom(t.middle(), side * sheets_[k].normal, reach_[k])) {
+                        area +=
+                            0.5 * glm::length(glm::cross(t.b - t.a, t.c - t.a)) * static_cast<double>(step);
                         if (!first) first = sheets_[k].surface;
                     }
             }
@@ -300,54 +315,20 @@ private:
     }
 
     std::vector<FlatFace> sheets_, rooms_;
-    std::vector<Bounds> boxes_;             // of the latter
-    std::vector<ShellTriangle> shell_;      // the same
-    std::vector<std::array<dvec3, 3>> all_; // triangles of both
+    std::vector<Bounds> boxes_;                     // of the latter
+    std::vector<ShellTriangle> open_, shell_, all_; // triangles of sheets, of rooms, of both
     bool looksIn_;
     double tolerance_, height_ = 1e300; // the latter of a low room
     std::vector<double> reach_;         // per sheet: how far off what it sees may be its room's
 };
 
-// Steepest first, and along no pane: what stands before it lets light in past its edges.
-std::vector<dvec3> waysOutOf(dvec3 normal) {
-    const dvec3 u =
-        glm::normalize(glm::cross(normal, std::abs(normal.y) < 0.9 ? dvec3(0, 1, 0) : dvec3(1, 0, 0)));
-    const dvec3 v = glm::cross(normal, u);
-    std::vector<dvec3> out;
-    for (const double steep : {75.0, 45.0, 15.0})
-        for (int k = 0; k < kAzimuths; ++k) {
-            const double turn = 2 * std::numbers::pi * (k + 0.5) / kAzimuths, up = glm::radians(steep);
-            out.push_back(std::cos(up) * (std::cos(turn) * u + std::sin(turn) * v) - std::sin(up) * normal);
-        }
-    return out;
-}
-
 } // namespace
 
-std::vector<uint32_t> panesBehind(const std::vector<SoupFace>& sheets, const Building& rooms,
-                                  double tolerance) {
-    std::vector<std::array<dvec3, 3>> before;
-    for (const FlatFace& sheet : flatFacesOf(weldFaces(sheets, 1, tolerance, true)))
-        before.insert(before.end(), sheet.triangles.begin(), sheet.triangles.end());
-    std::vector<uint32_t> out;
-    for (uint32_t f = 0; f < rooms.faces.size(); ++f) {
-        const Face& face = rooms.faces[f];
-        if (face.twin != kNoTwin || !rooms.materials[face.material].isOpening()) continue;
-        const auto t = triangulateFace(rooms, face)[0];
-        const dvec3 middle = (rooms.vertices[t[0]] + rooms.vertices[t[1]] + rooms.vertices[t[2]]) / 3.0;
-        const dvec3 normal = glm::normalize(areaVector(rooms.vertices, face.loops[0]));
-        if (std::ranges::all_of(waysOutOf(normal), [&](dvec3 way) {
-                return std::ranges::any_of(
-                    before, [&](const auto& sheet) { return distanceTo(sheet, middle, way).has_value(); });
-            }))
-            out.push_back(f);
-    }
-    return out;
-}
-
-std::optional<SheetFault> notOutside(const std::vector<SoupFace>& sheets, const Building& rooms, bool looksIn,
-                                     double tolerance) {
-    return SheetJudge(weldFaces(sheets, 1, tolerance, true), rooms, looksIn, tolerance).fault();
+SheetVerdict judgeSheets(const std::vector<SoupFace>& sheets, const Building& rooms, bool looksIn,
+                         double tolerance) {
+    const SheetJudge judge(weldFaces(sheets, 1, tolerance, true), rooms, looksIn, tolerance);
+    if (const auto fault = judge.fault()) return {fault, {}};
+    return {std::nullopt, judge.blindWindows()};
 }
 
 } // namespace heliodon::geometry

@@ -15,17 +15,20 @@ struct SheetFault {
     const char* words; // what it does: "lies in a room ..."
 };
 
-// None where no sheet lies in a room, crosses a face of one or lies on its glass, and they enclose no space
-// of a room's size but for one side or less: walls and ceiling beside a closed room are a room that is not
-// closed. `looksIn`: the faces of the rooms are drawn so that they look in; what is behind a sheet's is solid
-// then, as a neighbour without its floor. Within `tolerance` (metres) all may touch. Cost: sheets times faces
-// of rooms that are near, and some hundreds of points times all triangles.
-std::optional<SheetFault> notOutside(const std::vector<SoupFace>& sheets, const Building& rooms, bool looksIn,
-                                     double tolerance);
+struct SheetVerdict {
+    std::optional<SheetFault> fault; // none: all stand outside
+    // Without fault: windows, by face of the rooms, that look at nothing but sheets, as behind an outer skin
+    // without holes.
+    std::vector<uint32_t> blindWindows;
+};
 
-// Windows of rooms, by face, that look at nothing but such sheets, as behind an outer skin without holes.
-// Cost: at most 72 ways times windows times sheets.
-std::vector<uint32_t> panesBehind(const std::vector<SoupFace>& sheets, const Building& rooms,
-                                  double tolerance);
+// No fault where no sheet lies in a room, crosses a face of one or lies on its glass, and they enclose no
+// space of a room's size but for one side or less: walls and ceiling beside a closed room are a room that is
+// not closed. `looksIn`: the faces of the rooms are drawn so that they look in; what is behind a sheet's is
+// solid then, as a neighbour without its floor. Within `tolerance` (metres) all may touch. Cost: sheets times
+// faces of rooms that are near, some hundreds of points times all triangles, and at most 72 ways times
+// windows times sheets.
+SheetVerdict judgeSheets(const std::vector<SoupFace>& sheets, const Building& rooms, bool looksIn,
+                         double tolerance);
 
 } // namespace heliodon::geometry

@@ -60,10 +60,6 @@ std::map<Edge, std::vector<uint32_t>> facesOfEdges(const Building& building) {
     return out;
 }
 
-void turnOver(Face& face) {
-    for (auto& loop : face.loops) std::ranges::reverse(loop);
-}
-
 ShellFaces orientShells(Building& building) {
     const auto edges = facesOfEdges(building);
     if (ShellFaces open = openFaces(building, edges); !open.bad.empty()) return open;

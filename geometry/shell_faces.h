@@ -1,6 +1,7 @@
 // The faces of a Building by the closed shells that they form, and the way they look.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <map>
 #include <string>
@@ -15,7 +16,10 @@ using Edge = std::pair<uint32_t, uint32_t>; // smaller vertex first
 
 std::map<Edge, std::vector<uint32_t>> facesOfEdges(const Building& building);
 
-void turnOver(Face& face);
+// A Face, or a SoupFace.
+template<class AnyFace> void turnOver(AnyFace& face) {
+    for (auto& loop : face.loops) std::ranges::reverse(loop);
+}
 
 struct ShellFaces {
     std::vector<uint32_t> shell; // per face

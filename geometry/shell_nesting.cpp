@@ -54,15 +54,7 @@ std::vector<bool> bodiesOutside(const std::vector<std::vector<uint32_t>>& around
 int crossings(const std::vector<ShellTriangle>& shell, glm::dvec3 p) {
     const glm::dvec3 d = glm::normalize(glm::dvec3(0.5773, 0.6491, 0.4963));
     int count = 0;
-    for (const ShellTriangle& t : shell) {
-        const glm::dvec3 e1 = t.b - t.a, e2 = t.c - t.a, q = glm::cross(d, e2), s = p - t.a;
-        const double det = glm::dot(e1, q);
-        if (det == 0) continue;
-        const double u = glm::dot(s, q) / det;
-        const glm::dvec3 r = glm::cross(s, e1);
-        const double v = glm::dot(d, r) / det;
-        count += u >= 0 && v >= 0 && u + v <= 1 && glm::dot(e2, r) / det > 0;
-    }
+    for (const ShellTriangle& t : shell) count += distanceTo(t, p, d).has_value();
     return count;
 }
 

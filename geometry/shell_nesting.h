@@ -7,19 +7,16 @@
 #include <glm/vec3.hpp>
 
 #include "geometry/patch_mesh.h"
+#include "geometry/ray_triangle.h"
 
 namespace heliodon::geometry {
-
-struct ShellTriangle {
-    glm::dvec3 a, b, c;
-};
 
 struct ShellNesting {
     std::vector<uint32_t> room; // per shell: the room that it bounds or stands in; kNoRoom: see below
     std::vector<bool> inverted; // per shell: its triangles look away from the air
     uint32_t rooms = 0;
     uint32_t solidsThatLookIn = 0; // drawn as the shell of the room is that they stand in
-    uint32_t bodies = 0; // that stand outside: counted as rooms, in `room`, after `rooms`
+    uint32_t bodies = 0;           // that stand outside: counted as rooms, in `room`, after `rooms`
 };
 
 // The outermost shell bounds a room, a shell within it is a solid that stands in the room's air, and so on
