@@ -21,10 +21,10 @@
 #include "vision/picture_turn.h"
 #include "vision/pieces.h"
 #include "vision/plan_view.h"
+#include "vision/region_pieces.h"
 #include "vision/sketch_names.h"
 #include "vision/table_edge.h"
 #include "vision/table_marks.h"
-#include "vision/vivid_part.h"
 #include "vision/wall_evidence.h"
 #include "vision/wall_fit.h"
 
@@ -215,10 +215,6 @@ private:
                (isRed && (isMarker(before) || isMarker(after)));
     }
 
-    static bool isLightBlue(const Component& region) {
-        return region.group == Paint::blue && 2 * region.minorityArea > region.area;
-    }
-
     void findSkylights() {
         for (size_t i = 0; i < regions_.size(); ++i) {
             const Component& region = regions_[i];
@@ -227,9 +223,7 @@ private:
             // alone.
             if (!isLightBlue(region) && !isWide(region)) continue;
             // A wall with the shade or a skylight beside it is as wide, but only in part as vivid or blue.
-            if (const auto vivid = vividPart(region, image_, view_); vivid && !vividPieces(*vivid).empty())
-                continue;
-            if (const auto blue = bluePart(region, image_); blue && !vividPieces(*blue).empty()) continue;
+            if (cutter_.hasVividPieces(region)) continue;
             // As narrow as a wall: pale cyan on one, rather.
             if (!isWide(region) && relativeWidth(region, 8) < 1.6) {
                 paleStrips_.push_back(region);
@@ -278,7 +272,13 @@ private:
             if (relativeWidth(regions_[i], isWallPaint(regions_[i].group) ? heightOf(regions_[i].group) : 8) <
                 0.5)
                 continue;
-            if (isWallPaint(regions_[i].group)) addPieces(regions_[i], pieces);
+            if (isWallPaint(regions_[i].group)) {
+                const RegionCutter::Pieces cut = cutter_.piecesOf(regions_[i]);
+                pieces.insert(pieces.end(), cut.pieces.begin(), cut.pieces.end());
+                if (cut.pieces.empty() && !isLightBlue(regions_[i]))
+                    noteWidth({regions_[i].group, {&regions_[i]}, {}});
+                if (cut.unread) unread(regions_[i], cut.unread);
+            }
             if (isMarker(regions_[i].group)) markers.push_back(&regions_[i]);
         }
         for (const Component& strip : paleStrips_) markers.push_back(&strip);
@@ -324,135 +324,6 @@ private:
                 return;
             }
         unread(marker, "a window marker on no wall; it is left out");
-    }
-
-    // A region that is neither a straight strip nor an arc may be walls that touch: its strips, if they are
-    // walls.
-    void addPieces(const Component& region, std::vector<const Component*>& pieces) {
-        const bool isSky = isLightBlue(region);
-        if (!isSky && isStripOrArc(region, view_, options_)) return pieces.push_back(&region);
-        if (addVividPieces(region, pieces)) return;
-        if (isSky) return unread(region, "light blue like a skylight, but no rectangle; it is left out");
-        bool any = false;
-        for (Component& part : thinParts(region, view_, options_)) {
-            strips_.push_back(std::move(part));
-            const Component& thin = strips_.back();
-            if (thin.area < region.area && isStripOrArc(thin, view_, options_)) {
-                pieces.push_back(&thin), any = true;
-                continue;
-            }
-            std::vector<geometry::Arc> arcs; // that have their pieces already
-            for (Component& strip : splitStrips(thin, view_, options_)) {
-                const Chain piece{region.group, {&strip}, {}};
-                const auto wall = fitStraight(piece, view_, options_);
-                if (!wall || !evidence().isWall(wall->wall)) {
-                    if (liesOnOne(arcs, strip)) continue;
-                    const auto arc = followArc(strip, thin);
-                    if (!arc) continue;
-                    arcs.push_back(*arc);
-                }
-                strips_.push_back(std::move(strip));
-                pieces.push_back(&strips_.back()), any = true;
-            }
-        }
-        if (any) return;
-        noteWidth({region.group, {&region}, {}});
-        unread(region, "coloured like a wall, but not of a wall's shape; it is left out");
-    }
-
-    // Shade in a light of another colour, or what a file smears, has run into paint, or a skylight touches
-    // it: strips are left where what is pale is taken away.
-    bool addVividPieces(const Component& region, std::vector<const Component*>& pieces) {
-        const std::optional<ClassImage> blue = bluePart(region, image_);
-        if (!addPiecesOf(vividPart(region, image_, view_), region, pieces) &&
-            !addPiecesOf(blue, region, pieces))
-            return false;
-        if (blue && 2 * areaOf(Paint::sky, region) < region.minorityArea)
-            unread(region, "light blue beside a blue wall: a skylight that it hides in part, or shade? It is "
-                           "left out");
-        return true;
-    }
-    // Of what of the region is left, pixels.
-    int areaOf(Paint paint, const Component& region) const {
-        int area = 0;
-        for (const Run& run : region.runs)
-            for (int x = run.x0; x < run.x1; ++x) area += image_.at(x, run.y) == paint;
-        return area;
-    }
-    bool addPiecesOf(const std::optional<ClassImage>& vivid, const Component& region,
-                     std::vector<const Component*>& pieces) {
-        if (!vivid) return false;
-        std::vector<Component> parts = vividPieces(*vivid);
-        if (parts.empty()) return false;
-        for (const Run& run : region.runs)
-            for (int x = run.x0; x < run.x1; ++x)
-                if (vivid->at(x, run.y) == Paint::none) image_.set(x, run.y, Paint::none);
-        for (Component& part : parts) {
-            strips_.push_back(std::move(part));
-            pieces.push_back(&strips_.back());
-        }
-        return true;
-    }
-
-    std::vector<Component> vividPieces(const ClassImage& vivid) const {
-        std::vector<Component> parts = findComponents(vivid, smallestArea(view_));
-        std::erase_if(parts, [&](const Component& part) { return !isVividPiece(part); });
-        return parts;
-    }
-    // What is curved, as a finger is, has to show white ends.
-    bool isVividPiece(const Component& part) const {
-        constexpr float kEnd = 0.1f;
-        if (isLightBlue(part) || !isStripOrArc(part, view_, options_)) return false;
-        const Chain alone{part.group, {&part}, {}};
-        if (fitStraight(alone, view_, options_)) return true;
-        const auto arc = fitArc(alone, view_, options_);
-        if (!arc) return true;
-        const auto ends = evidence().endSteps(*arc);
-        return std::min(ends[0], ends[1]) > kEnd;
-    }
-
-    // The arc of a strip that was cut out of a region, which takes what of the region goes on along it as far
-    // as white ends would be.
-    std::optional<geometry::Arc> followArc(Component& strip, const Component& region) const {
-        constexpr int kMostPasses = 40;
-        auto arc = fitArc({strip.group, {&strip}, {}}, view_, options_);
-        for (int pass = 0; arc && pass < kMostPasses; ++pass) {
-            Component longer = alongArc(region, *arc);
-            if (longer.area <= strip.area) break;
-            const auto next = fitArc({longer.group, {&longer}, {}}, view_, options_);
-            if (!next) break;
-            strip = std::move(longer), arc = next;
-        }
-        return arc;
-    }
-    Component alongArc(const Component& region, const geometry::Arc& arc) const {
-        Component out;
-        out.group = region.group;
-        for (const Run& run : region.runs)
-            for (int x = run.x0; x < run.x1; ++x) {
-                if (!isOn(arc, {x, run.y})) continue;
-                out.runs.push_back({run.y, x, x + 1});
-                out.centre += glm::dvec2(x, run.y), ++out.area;
-            }
-        if (out.area > 0) out.centre /= out.area;
-        return out;
-    }
-    bool isOn(const geometry::Arc& arc, glm::dvec2 pixel) const {
-        const glm::dvec2 p = view_.plan(pixel, geometry::heightInches(arc.heightClass)) - arc.center;
-        if (std::abs(glm::length(p) - arc.radius) > 0.6 * options_.wallThickness) return false;
-        const double beyond =
-            glm::degrees(0.8 * options_.unpaintedEnd / arc.radius); // its own ends are in it
-        double angle = glm::degrees(std::atan2(p.y, p.x)) - arc.a0Deg + beyond;
-        angle -= 360 * std::floor(angle / 360);
-        return angle < arc.a1Deg - arc.a0Deg + 2 * beyond;
-    }
-    bool liesOnOne(const std::vector<geometry::Arc>& arcs, const Component& strip) const {
-        return std::any_of(arcs.begin(), arcs.end(), [&](const geometry::Arc& arc) {
-            const auto on = std::count_if(strip.runs.begin(), strip.runs.end(), [&](const Run& run) {
-                return isOn(arc, {0.5 * (run.x0 + run.x1 - 1), run.y});
-            });
-            return 2 * static_cast<size_t>(on) > strip.runs.size();
-        });
     }
 
     // Of a strip that is no wall of the options' thickness.
@@ -529,9 +400,9 @@ private:
     PlanView view_;
     std::optional<CardWhite> card_;
     ClassImage image_;
+    RegionCutter cutter_{image_, view_, options_, radius()};
     std::vector<Component> regions_;
     std::deque<Component> paleStrips_;
-    std::deque<Component> strips_;         // cut out of regions; where they are does not change
     std::vector<StraightWall> wholeWalls_; // before joints under markers are looked for
     std::vector<bool> used_;
     std::vector<double> otherWidths_; // inches
