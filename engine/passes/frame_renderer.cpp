@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <iterator>
 #include <numeric>
 #include <optional>
@@ -11,14 +10,15 @@
 
 #include <glm/geometric.hpp>
 
-#include "compute/gpu/buffer.h"
 #include "compute/gpu/commands.h"
 #include "compute/gpu/device.h"
 #include "engine/passes/device_blend.h"
+#include "engine/passes/device_mesh.h"
 #include "engine/passes/display_pass.h"
 #include "engine/passes/draw_mesh.h"
 #include "engine/passes/false_colour.h"
 #include "engine/passes/frame_light.h"
+#include "engine/passes/frame_output.h"
 #include "engine/passes/glow_grids.h"
 #include "engine/passes/scene_pass.h"
 #include "engine/passes/sun_reach.h"
@@ -31,129 +31,6 @@ namespace {
 // What a physical wall may stand proud of the surface that was inferred from it, metres: coplanar surfaces of
 // the model win over the solids by this much.
 constexpr float kPushBack = 0.003f;
-
-// A host buffer that is rewritten each frame; grows when it must.
-class FrameBuffer {
-public:
-    explicit FrameBuffer(std::string name) : name_(std::move(name)) {}
-    template<class T> const gpu::Buffer& write(gpu::Device& device, const std::vector<T>& values) {
-        const size_t bytes = values.size() * sizeof(T);
-        if (!buffer_.valid() || buffer_.bytes() < bytes)
-            buffer_ = gpu::Buffer(device, bytes + bytes / 2, name_, gpu::Place::host);
-        if (bytes > 0) std::memcpy(buffer_.mapped<std::byte>(), values.data(), bytes);
-        return buffer_;
-    }
-    const gpu::Buffer& buffer() const { return buffer_; }
-
-private:
-    std::string name_;
-    gpu::Buffer buffer_;
-};
-
-// A mesh on the device, with the light of the frame.
-struct DeviceMesh {
-    DeviceMesh(gpu::Device& device, const DrawMesh& m, const std::string& name)
-        : mesh(m), corners(gpu::Buffer::from(device, mesh.corners, name)), light(name + " light") {
-        // Pictures of illuminance: the same corners, reflecting everything where they reflect at all.
-        std::vector<DrawCorner> unit = mesh.corners;
-        for (DrawCorner& corner : unit)
-            corner.reflectance = glm::vec3(glm::dot(corner.reflectance, glm::vec3(1)) > 0 ? 1.0f : 0.0f);
-        unitCorners = gpu::Buffer::from(device, unit, name + " unit");
-    }
-
-    void mixLight(gpu::Device& device, const std::vector<glm::vec3>& luxPerPair, float scale) {
-        std::vector<glm::vec3> scaled(mesh.corners.size());
-        mesh.mixLight(luxPerPair, scale, scaled);
-        light.write(device, scaled);
-    }
-    SurfaceStreams streams(bool illuminance) const {
-        return {illuminance ? &unitCorners : &corners, &light.buffer()};
-    }
-
-    const DrawMesh& mesh; // of the scene, which lives longer
-    gpu::Buffer corners, unitCorners;
-    FrameBuffer light;
-};
-
-struct Solid {
-    Solid(gpu::Device& device, const std::vector<DrawCorner>& list, const std::string& name)
-        : corners(gpu::Buffer::from(device, list, name)), count(static_cast<uint32_t>(list.size())) {}
-    gpu::Buffer corners;
-    uint32_t count;
-};
-
-// Triangles of a mesh, by their corners.
-struct TriangleList {
-    TriangleList(gpu::Device& device, const std::vector<uint32_t>& corners, const std::string& name)
-        : buffer(gpu::Buffer::from(device, corners, name)), count(static_cast<uint32_t>(corners.size())) {}
-    Triangles draw() const { return {&buffer, count}; }
-    gpu::Buffer buffer;
-    uint32_t count;
-};
-
-// Per pixel of a projector's picture, as DisplayPass reads it; `leaks` empty: nothing leaks. One for
-// previews.
-gpu::Buffer warpBuffer(gpu::Device& device, const std::vector<glm::vec2>& warp, const ImageF& leaks,
-                       const std::string& name) {
-    std::vector<glm::vec4> pixels(std::max<size_t>(warp.size(), 1));
-    for (size_t i = 0; i < warp.size(); ++i)
-        pixels[i] = {warp[i].x, warp[i].y, leaks.rgb.empty() ? 0.0f : leaks.rgb[3 * i], 0};
-    return gpu::Buffer::from(device, pixels, name + " warp");
-}
-
-// Everything that one output keeps from frame to frame.
-struct Output {
-    // `drawn`: corners of its mesh, three a triangle.
-    Output(gpu::Device& device, View v, const std::vector<uint32_t>& drawn, const std::string& name_)
-        : view(std::move(v)), name(name_), scene(device, view.width, view.height, name),
-          warp(warpBuffer(device, view.warp, {}, name)), triangles(device, drawn, name + " triangles") {}
-
-    const DisplayTarget& target(gpu::Device& device, DisplayTarget::Kind kind) {
-        if (!display || display->kind != kind)
-            display.emplace(device, view.outputWidth, view.outputHeight, kind, name);
-        return *display;
-    }
-
-    View view;
-    std::string name;
-    SceneTarget scene;
-    gpu::Buffer warp;
-    TriangleList triangles;
-    std::optional<DisplayTarget> display;
-};
-
-// Calls `copy(pixel index)` for every pixel that the output shows; the others stay zero.
-template<class F> void forShown(const View& view, F copy) {
-    for (int y = view.shown.y; y < view.shown.y + view.shown.height; ++y)
-        for (int x = view.shown.x; x < view.shown.x + view.shown.width; ++x)
-            copy(static_cast<size_t>(y) * static_cast<size_t>(view.outputWidth) + static_cast<size_t>(x));
-}
-
-size_t pixelCount(const View& view) {
-    return static_cast<size_t>(view.outputWidth) * static_cast<size_t>(view.outputHeight);
-}
-
-Image8 bytesOf(const Output& output) {
-    Image8 picture{output.view.outputWidth, output.view.outputHeight, {}};
-    picture.rgb.resize(3 * pixelCount(output.view));
-    const uint8_t* from = output.display->pixels.mapped<uint8_t>();
-    uint8_t* to = picture.rgb.data();
-    forShown(output.view, [&](size_t i) {
-        for (size_t c = 0; c < 3; ++c) to[3 * i + c] = from[4 * i + 2 - c];
-    });
-    return picture;
-}
-
-ImageF floatsOf(const Output& output) {
-    ImageF picture{output.view.outputWidth, output.view.outputHeight, {}};
-    picture.rgb.resize(3 * pixelCount(output.view));
-    const float* from = output.display->pixels.mapped<float>();
-    float* to = picture.rgb.data();
-    forShown(output.view, [&](size_t i) {
-        for (size_t c = 0; c < 3; ++c) to[3 * i + c] = from[4 * i + c];
-    });
-    return picture;
-}
 
 // Black columns added at the right.
 Image8 widened(const Image8& picture, int columns) {
@@ -210,9 +87,9 @@ struct Model {
     DeviceBlend blend;
     Solid solids, tops, sides, table;
     FrameBuffer sunTriangles, volumes, paneData, paneEdges, glowCorners, glowPlaces, glowGrids;
-    std::vector<Output> outputs; // per projector
+    std::vector<FrameOutput> outputs; // per projector
     int outputsSupersample = 0;
-    std::optional<Output> previewOutput;
+    std::optional<FrameOutput> previewOutput;
 };
 
 } // namespace
@@ -246,7 +123,7 @@ struct FrameRenderer::State {
     void drawGains();
     gpu::Commands recordProjectors(const compute::Lighting& light, const ProjectorOptions& options, bool hdr,
                                    bool readBack);
-    Output& drawView(const compute::Lighting& light, View view, const Tone& tone, bool hdr);
+    FrameOutput& drawView(const compute::Lighting& light, View view, const Tone& tone, bool hdr);
     View previewView(const PreviewOptions& o) const;
 
     gpu::Device* device;
@@ -354,7 +231,7 @@ SceneInputs FrameRenderer::State::projectorInputs(size_t i, const AddedLight& ad
     SceneInputs inputs;
     inputs.view = &model->outputs[i].view;
     inputs.surfaces = model->shown.streams(illuminance); // what solids hide has no gain
-    inputs.triangles = model->outputs[i].triangles.draw();
+    inputs.triangles = model->outputs[i].triangles();
     inputs.glow = added.glow;
     if (added.sun) {
         std::vector<uint32_t> seen;
@@ -385,7 +262,7 @@ void FrameRenderer::State::drawGains() {
                                            [](const geometry::Projector& p) { return p.blackLevel > 0; });
     gpu::Commands commands(*device);
     for (size_t i = 0; i < model->outputs.size(); ++i) {
-        Output& output = model->outputs[i];
+        FrameOutput& output = model->outputs[i];
         GainInputs inputs;
         inputs.view = &output.view;
         inputs.corners = &model->shown.corners;
@@ -412,8 +289,7 @@ void FrameRenderer::State::drawGains() {
     }
     device->submitAndWait(std::move(commands));
     if (!leaks) return;
-    for (Output& output : model->outputs)
-        output.warp = warpBuffer(*device, output.view.warp, floatsOf(output), output.name);
+    for (FrameOutput& output : model->outputs) output.setLeaks(*device, output.floats());
 }
 
 gpu::Commands FrameRenderer::State::recordProjectors(const compute::Lighting& light,
@@ -427,7 +303,7 @@ gpu::Commands FrameRenderer::State::recordProjectors(const compute::Lighting& li
     gpu::Commands commands(*device);
     for (size_t i = 0; i < model->outputs.size(); ++i) {
         const geometry::Projector& projector = scene.rig.projectors[i];
-        Output& output = model->outputs[i];
+        FrameOutput& output = model->outputs[i];
         params.fullScale = static_cast<float>(scene.painted.white / scene.shown.blend.candela[i]);
         params.blackLevel = static_cast<float>(projector.blackLevel);
         params.gamma = hdr ? 0 : gammaOf(projector);
@@ -448,7 +324,7 @@ SceneInputs FrameRenderer::State::previewInputs(const View& view, const AddedLig
     SceneInputs inputs;
     inputs.view = &view;
     inputs.surfaces = model->all.streams(quantity == Quantity::illuminance);
-    inputs.triangles = model->previewOutput->triangles.draw();
+    inputs.triangles = model->previewOutput->triangles();
     inputs.glow = added.glow;
     if (added.sun) {
         inputs.sun = added.sun->draw;
@@ -472,9 +348,9 @@ SceneInputs FrameRenderer::State::previewInputs(const View& view, const AddedLig
     return inputs;
 }
 
-Output& FrameRenderer::State::drawView(const compute::Lighting& light, View view, const Tone& tone,
-                                       bool hdr) {
-    std::optional<Output>& previewOutput = model->previewOutput;
+FrameOutput& FrameRenderer::State::drawView(const compute::Lighting& light, View view, const Tone& tone,
+                                            bool hdr) {
+    std::optional<FrameOutput>& previewOutput = model->previewOutput;
     const bool fits = previewOutput && previewOutput->view.outputWidth == view.outputWidth &&
                       previewOutput->view.outputHeight == view.outputHeight &&
                       previewOutput->view.supersample == view.supersample && view.warp.empty() &&
@@ -548,7 +424,7 @@ Image8 FrameRenderer::preview(const compute::Lighting& light, const PreviewOptio
                         options.width > 2 * strip;
     PreviewOptions room = options;
     if (legend) room.width -= strip;
-    Image8 picture = bytesOf(state_->drawView(light, state_->previewView(room), options.tone, false));
+    Image8 picture = state_->drawView(light, state_->previewView(room), options.tone, false).bytes();
     if (legend) {
         picture = widened(picture, strip);
         drawLegend(picture, falseScale(options.tone, shownLux(light)));
@@ -561,12 +437,12 @@ std::vector<Image8> FrameRenderer::projectors(const compute::Lighting& light,
     if (state_->model->scene.views.empty()) return {};
     state_->device->submitAndWait(state_->recordProjectors(light, options, false, true));
     std::vector<Image8> pictures;
-    for (const Output& output : state_->model->outputs) pictures.push_back(bytesOf(output));
+    for (const FrameOutput& output : state_->model->outputs) pictures.push_back(output.bytes());
     return pictures;
 }
 
 ImageF FrameRenderer::previewHdr(const compute::Lighting& light, const PreviewOptions& options) {
-    return floatsOf(state_->drawView(light, state_->previewView(options), options.tone, true));
+    return state_->drawView(light, state_->previewView(options), options.tone, true).floats();
 }
 
 std::vector<ImageF> FrameRenderer::projectorsHdr(const compute::Lighting& light,
@@ -574,7 +450,7 @@ std::vector<ImageF> FrameRenderer::projectorsHdr(const compute::Lighting& light,
     if (state_->model->scene.views.empty()) return {};
     state_->device->submitAndWait(state_->recordProjectors(light, options, true, true));
     std::vector<ImageF> pictures;
-    for (const Output& output : state_->model->outputs) pictures.push_back(floatsOf(output));
+    for (const FrameOutput& output : state_->model->outputs) pictures.push_back(output.floats());
     return pictures;
 }
 
@@ -584,12 +460,12 @@ std::vector<const gpu::Image*> FrameRenderer::drawProjectors(const compute::Ligh
     gpu::Commands commands = state_->recordProjectors(light, options, false, false);
     state_->drawing = state_->device->submit(std::move(commands));
     std::vector<const gpu::Image*> pictures;
-    for (const Output& output : state_->model->outputs) pictures.push_back(&output.display->picture);
+    for (const FrameOutput& output : state_->model->outputs) pictures.push_back(&output.display->picture);
     return pictures;
 }
 
 ImageF FrameRenderer::exitance(const compute::Lighting& light, const View& view) {
-    return floatsOf(state_->drawView(light, view, {}, true));
+    return state_->drawView(light, view, {}, true).floats();
 }
 
 } // namespace heliodon::passes
