@@ -128,6 +128,10 @@ private:
         CLI::App* sub = add("model", "infer the closed rooms and mesh them", model_,
                             "sketch.json --triangles 2000 -o room.obj");
         addScene(sub, model_.scene);
+        written(
+            sub->add_option("--plan", model_.plan,
+                            "draw walls as they lie on the table and rooms as they were understood (.png or "
+                            ".svg); of a sketch that is refused, too"));
         written(sub->add_option("-o,--output", model_.output, "the model (.obj with .mtl, or .glb)"))
             ->required();
     }
@@ -259,7 +263,8 @@ private:
                       {"ASE", "percent of sensors with over 250 hours of such direct sun"}});
         addScene(sub, annual_.scene);
         addBlinds(sub, annual_.scene);
-        sub->add_option("--weather", annual_.weather, "hourly weather (.epw, .wea, also .gz); its site is used")
+        sub->add_option("--weather", annual_.weather,
+                        "hourly weather (.epw, .wea, also .gz); its site is used")
             ->required();
         sub->add_option(
             "--sensors", annual_.sensors,

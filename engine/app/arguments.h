@@ -51,7 +51,7 @@ struct DetectArguments {
 };
 struct ModelArguments {
     SceneArguments scene;
-    std::filesystem::path output;
+    std::filesystem::path plan, output;
 };
 struct FormFactorArguments {
     SceneArguments scene;

@@ -54,13 +54,17 @@ void Chart::text(glm::dvec2 at, const std::string& words, double size, Anchor an
     items_.push_back({Item::Kind::text, {{at}}, ink, size, words, anchor, halo});
 }
 
+void refuseNoDrawing(const std::filesystem::path& file) {
+    if (!file.empty() && file.extension() != ".svg" && file.extension() != ".png")
+        throw geometry::InputError(file.string(), "", "is no kind of drawing, expected .png or .svg");
+}
+
 void Chart::write(const std::filesystem::path& file) const {
+    refuseNoDrawing(file);
     if (file.extension() == ".svg")
         geometry::writeWholeText(file, svg());
-    else if (file.extension() == ".png")
-        writePng(file);
     else
-        throw geometry::InputError(file.string(), "", "is no kind of drawing, expected .png or .svg");
+        writePng(file);
 }
 
 std::string Chart::svg() const {

@@ -61,6 +61,9 @@ private:
     std::vector<Item> items_;
 };
 
+// Throws InputError where Chart::write could not: a file of another ending; none is fine.
+void refuseNoDrawing(const std::filesystem::path& file);
+
 // A scale of colours with what its numbers mean.
 struct ValueScale {
     double low = 0, high = 100;

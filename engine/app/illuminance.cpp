@@ -230,10 +230,7 @@ Plan planOf(const Solution& solution) {
 } // namespace
 
 void execute(Run& run, const IlluminanceArguments& arguments) {
-    if (!arguments.plan.empty() && arguments.plan.extension() != ".png" &&
-        arguments.plan.extension() != ".svg")
-        throw geometry::InputError(arguments.plan.string(), "",
-                                   "is no kind of drawing, expected .png or .svg");
+    refuseNoDrawing(arguments.plan);
     const Input input = readInput(run, arguments);
     const Solution solution =
         arguments.maxError > 0

@@ -11,17 +11,18 @@
 
 #include "engine/app/plan_field.h"
 #include "engine/app/plan_floors.h"
+#include "engine/app/plan_frame.h"
 #include "engine/passes/false_colour.h"
+#include "geometry/bounds.h"
 #include "geometry/clip_polygon.h"
 
 namespace heliodon::app {
 
 namespace {
 
-constexpr double kPlan = 720, kNarrowest = 420, kMargin = 40, kLegend = 90, kHead = 62, kFoot = 40; // pixels
-constexpr double kCaption = 24;   // above each of several storeys
+constexpr double kLegend = 90;    // pixels
 constexpr double kOutline = 0.01; // pixels to which areas of one colour are joined
-constexpr Ink kOpening{60, 150, 255}, kSunEdge{225, 85, 0};
+constexpr Ink kSunEdge{225, 85, 0};
 constexpr size_t kBands = 40; // of colour between the ends of the scale
 constexpr size_t kFew = 12;   // sensors whose numbers are written beside them
 // Building metres around the sensors that are coloured at least: a grid of sensors leaves out a border of
@@ -36,35 +37,15 @@ std::vector<Sample> clipped(const std::vector<Sample>& polygon, double level, bo
     return result;
 }
 
-// One storey, at its place among the others: each as large as all of the model is.
+PlanFrame frameOf(const Scene& scene, size_t storey, size_t storeys) {
+    const geometry::Bounds bounds = geometry::boundsOf(scene.mesh.vertices);
+    return {flat(bounds.low), flat(bounds.high), storey, storeys, kLegend};
+}
+
 class PlanDrawing {
 public:
-    PlanDrawing(const Scene& scene, const ValueScale& scale, size_t storey, size_t storeys)
-        : scale_(scale), border_(kBorder * scene.worldPerBuilding), caption_(storeys > 1 ? kCaption : 0) {
-        for (const glm::dvec3& v : scene.mesh.vertices)
-            low_ = glm::min(low_, flat(v)), high_ = glm::max(high_, flat(v));
-        const glm::dvec2 extent = glm::max(high_ - low_, glm::dvec2(1e-9));
-        pixels_ = kPlan / std::max(extent.x, extent.y);
-        size_ = pixels_ * extent;
-        const auto columns = static_cast<size_t>(std::ceil(std::sqrt(static_cast<double>(storeys))));
-        const glm::dvec2 pitch = size_ + glm::dvec2(kMargin, caption_);
-        origin_ =
-            glm::dvec2(kMargin, kHead + caption_) +
-            pitch * glm::dvec2(static_cast<double>(storey % columns), static_cast<double>(storey / columns));
-        all_ = pitch * glm::dvec2(static_cast<double>(columns),
-                                  static_cast<double>((storeys + columns - 1) / columns)) -
-               glm::dvec2(kMargin, 0);
-    }
-    Chart chart() const {
-        return {std::max(all_.x, kNarrowest) + 2 * kMargin + kLegend,
-                std::max(all_.y, 260.0) + kHead + kFoot + kMargin};
-    }
-    glm::dvec2 pixel(glm::dvec2 p) const { return origin_ + pixels_ * (p - low_); }
-    void caption(Chart& chart, const std::string& words) const {
-        chart.text(origin_ - glm::dvec2(0, 8), words, 11);
-    }
-    double pixelsPerWorld() const { return pixels_; }
-    glm::dvec2 size() const { return size_; }
+    PlanDrawing(const PlanFrame& frame, const ValueScale& scale, double border)
+        : frame_(frame), scale_(scale), border_(border) {}
 
     void draw(Chart& chart, const std::vector<PlanFloor>& floors, bool few) {
         for (const PlanFloor& floor : floors)
@@ -158,8 +139,9 @@ private:
             std::vector<double> lux;
             for (const Sunlight::Part& part : floor.sun->parts)
                 if (part.plane == plane) polygons.push_back(part.polygon), lux.push_back(part.lux);
-            for (const auto& [a, b] : stepsBetween(polygons, lux, 1e-6 * (size_.x + size_.y) / pixels_)) {
-                const double bits = std::ceil(pixels_ * glm::distance(a, b) / 3);
+            for (const auto& [a, b] :
+                 stepsBetween(polygons, lux, 1e-6 * (frame_.size().x + frame_.size().y) / pixelsPerWorld())) {
+                const double bits = std::ceil(pixelsPerWorld() * glm::distance(a, b) / 3);
                 Points line;
                 const auto draw = [&] {
                     if (line.size() > 1) chart.line(std::move(line), kSunEdge, 1.2), hasSunEdges_ = true;
@@ -260,7 +242,7 @@ private:
                 chart.line({pixel(flat(a)), pixel(flat(b))}, kBlack, 1.8);
         for (const PlanFloor& floor : floors)
             for (const auto& [a, b] : floor.openings)
-                chart.line({pixel(flat(a)), pixel(flat(b))}, kOpening, 3);
+                chart.line({pixel(flat(a)), pixel(flat(b))}, kOpeningInk, 3);
     }
 
     struct IsoLine {
@@ -292,7 +274,7 @@ private:
     static double bandEnd(size_t band) { return static_cast<double>(band) / kBands; }
     // Parts of about ten pixels for the edges of triangles.
     size_t partsFor(double spacing) const {
-        return static_cast<size_t>(std::clamp(std::round(pixels_ * spacing / 10), 1.0, 10.0));
+        return static_cast<size_t>(std::clamp(std::round(pixelsPerWorld() * spacing / 10), 1.0, 10.0));
     }
     Ink inkAt(double share) const {
         ValueScale unit;
@@ -334,54 +316,28 @@ private:
             }
         }
     }
+    glm::dvec2 pixel(glm::dvec2 p) const { return frame_.pixel(p); }
+    double pixelsPerWorld() const { return frame_.pixelsPerWorld(); }
+
+    const PlanFrame& frame_;
     const ValueScale& scale_;
-    double border_;           // world metres
-    double caption_;          // pixels
-    glm::dvec2 origin_, all_; // pixels: of this storey, and how large all are together
+    double border_; // world metres
     std::vector<IsoLine> lines_;
     Points numbers_; // pixels, where the sensors' stand
     bool hasSunEdges_ = false, hasDots_ = false;
-    glm::dvec2 low_{1e300}, high_{-1e300}, size_{0};
-    double pixels_ = 1;
 };
 
 struct Keys {
     bool sunEdges = false, dots = false;
 };
 
-void drawNorthAndScale(Chart& chart, const Scene& scene, const PlanDrawing& plan, const Keys& has) {
-    const double metre = plan.pixelsPerWorld() * scene.worldPerBuilding;
-    double length = 1; // building metres, about a fifth of the plan
-    while (length * metre > 150) length /= 2;
-    while (length * metre < 70) length *= 2;
-    const glm::dvec2 at(kMargin, chart.height() - kFoot + 8);
-    chart.line({at, at + glm::dvec2(length * metre, 0)}, kBlack, 2);
-    for (double end : {0.0, length * metre})
-        chart.line({at + glm::dvec2(end, -4), at + glm::dvec2(end, 4)}, kBlack, 1.2);
-    chart.text(at + glm::dvec2(length * metre + 8, 4), fmt::format("{:g} m", length), 11);
-    const glm::dvec2 keys(at.x + 215, at.y - (has.sunEdges ? 9 : 0));
-    const auto key = [&](double down, Ink ink, double thickness, const char* words) {
-        const glm::dvec2 p = keys + glm::dvec2(0, down);
-        chart.line({p, p + glm::dvec2(20, 0)}, ink, thickness);
-        chart.text(p + glm::dvec2(28, 4), words, 11);
-    };
-    key(0, kOpening, 3, "opening");
-    if (has.sunEdges) key(18, kSunEdge, 1.2, "edge of direct sun");
-    if (has.dots) {
-        PlanDrawing::dot(chart, keys + glm::dvec2(92, 0));
-        chart.text(keys + glm::dvec2(99, 4), "sensor", 11);
-    }
-    const double angle = glm::radians(scene.northDeg);
-    const glm::dvec2 north(std::cos(angle), -std::sin(angle)), side(-north.y, north.x);
-    const glm::dvec2 foot = glm::dvec2(chart.width() - kLegend - kMargin - 20, at.y) - 12.0 * north;
-    chart.line({foot, foot + 24.0 * north}, kBlack, 1.5);
-    chart.fill({foot + 28.0 * north, foot + 16.0 * north + 5.0 * side, foot + 16.0 * north - 5.0 * side},
-               kBlack);
-    chart.text(foot + 24.0 * north + 14.0 * side + glm::dvec2(0, 4), "N", 12, Anchor::middle);
-}
-
-double lowestOf(const std::vector<PlanFloor>& floors) {
-    return std::ranges::min_element(floors, {}, &PlanFloor::height)->height;
+void drawKeys(Chart& chart, const PlanFrame& frame, const Keys& has) {
+    const glm::dvec2 first(0, has.sunEdges ? -9 : 0);
+    frame.key(chart, first, kOpeningInk, 3, "opening");
+    if (has.sunEdges) frame.key(chart, first + glm::dvec2(0, 18), kSunEdge, 1.2, "edge of direct sun");
+    if (!has.dots) return;
+    PlanDrawing::dot(chart, frame.keysAt() + first + glm::dvec2(92, 0));
+    chart.text(frame.keysAt() + first + glm::dvec2(99, 4), "sensor", 11);
 }
 
 // Of the sensors, and of sun that falls between them as though it had as many.
@@ -410,23 +366,23 @@ Plan planChart(const Scene& scene, const PlanValues& given, std::optional<ValueS
     if (!scale) scale = scaleOf(given, floors);
     size_t storeys = 1;
     for (const PlanFloor& floor : floors) storeys = std::max(storeys, floor.storey + 1);
-    const PlanDrawing first(scene, *scale, 0, storeys);
+    const PlanFrame first = frameOf(scene, 0, storeys);
     Chart chart = first.chart();
     Keys has;
     for (size_t storey = 0; storey < storeys; ++storey) {
         std::vector<PlanFloor> here;
         std::ranges::copy_if(floors, std::back_inserter(here),
                              [&](const PlanFloor& floor) { return floor.storey == storey; });
-        PlanDrawing plan(scene, *scale, storey, storeys);
-        if (storeys > 1)
-            plan.caption(chart, fmt::format("floors from {:.2f} m", lowestOf(here) / scene.worldPerBuilding));
+        const PlanFrame frame = frameOf(scene, storey, storeys);
+        if (storeys > 1) frame.caption(chart, storeyInWords(here, scene.worldPerBuilding));
+        PlanDrawing plan(frame, *scale, kBorder * scene.worldPerBuilding);
         plan.draw(chart, here, shown <= kFew);
         has.sunEdges |= plan.hasSunEdges(), has.dots |= plan.hasDots();
     }
-    chart.text({kMargin, 22}, title, 15);
-    chart.text({kMargin, 40}, subtitle, 11);
-    drawScale(chart, *scale, {chart.width() - kLegend, kHead + 10}, std::max(first.size().y, 260.0) - 20);
-    drawNorthAndScale(chart, scene, first, has);
+    first.title(chart, title, subtitle);
+    drawScale(chart, *scale, first.scaleAt(), first.scaleHeight());
+    first.foot(chart, scene.worldPerBuilding, scene.northDeg);
+    drawKeys(chart, first, has);
     return {std::move(chart), shown};
 }
 

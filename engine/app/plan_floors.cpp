@@ -7,6 +7,7 @@
 #include <set>
 #include <utility>
 
+#include <fmt/format.h>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
@@ -43,7 +44,7 @@ std::vector<Patches> levelsOf(const geometry::PatchMesh& mesh, double headroom) 
 std::vector<PlanFloor> floorsOf(const geometry::PatchMesh& mesh, const std::vector<Patches>& levels) {
     std::vector<PlanFloor> floors;
     for (const Patches& level : levels)
-        floors.push_back({mesh.room[level[0]], geometry::patchCentroid(mesh, level[0]).y,
+        floors.push_back({mesh.room[level[0]], geometry::patchCentroid(mesh, level[0]).y, level,
                           FloorCells(mesh, level), borders(mesh, level)});
     return floors;
 }
@@ -74,9 +75,10 @@ std::vector<Patches> levelsShown(const geometry::PatchMesh& mesh, const PlanValu
     std::vector<Patches> shown;
     for (size_t f = 0; f < floors.size(); ++f) {
         if (!used[f] && f > 0 && floors[f].room == floors[f - 1].room) continue;
-        std::erase_if(levels[f], [&](size_t i) {
-            return geometry::patchCentroid(mesh, i).y > floors[f].height + std::max(above, 0.0);
-        });
+        if (!given.points.empty())
+            std::erase_if(levels[f], [&](size_t i) {
+                return geometry::patchCentroid(mesh, i).y > floors[f].height + std::max(above, 0.0);
+            });
         shown.push_back(std::move(levels[f]));
     }
     return shown;
@@ -266,6 +268,11 @@ std::vector<PlanFloor> planFloors(const Scene& scene, const PlanValues& given) {
         leaveOutSolids(scene, floor);
     }
     return floors;
+}
+
+std::string storeyInWords(const std::vector<PlanFloor>& floors, double worldPerBuilding) {
+    const double lowest = std::ranges::min_element(floors, {}, &PlanFloor::height)->height;
+    return fmt::format("floors from {:.2f} m", lowest / worldPerBuilding);
 }
 
 } // namespace heliodon::app

@@ -3,19 +3,17 @@
 
 #include <array>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "engine/app/floor_cells.h"
 #include "engine/app/plan_chart.h"
 #include "engine/app/plan_field.h"
+#include "engine/app/plan_frame.h"
 
 namespace heliodon::app {
 
 using Points = std::vector<glm::dvec2>;
-
-inline glm::dvec2 flat(glm::dvec3 p) {
-    return {p.x, p.z};
-}
 
 // Where the sun falls on the planes of a floor's sensors.
 struct Sunlight {
@@ -32,7 +30,8 @@ using Edges = std::vector<std::array<glm::dvec3, 2>>;
 
 struct PlanFloor {
     uint32_t room;
-    double height; // of its lowest patch, world metres
+    double height;               // of its lowest patch, world metres
+    std::vector<size_t> patches; // from the lowest
     FloorCells cells;
     Edges outline, openings{};
     Edges section{}; // of the room by the plane of the sensors, where that cuts what stands free of the floor
@@ -46,9 +45,13 @@ struct PlanFloor {
 };
 
 // A sensor stands over the highest floor below it. Floors of which one lies over another are of different
-// storeys, others of that whose height is nearest; without any sensor all storeys are there. Tops of walls
-// that no sensor stands above are no floor. Of several sensors at one place over a floor the first is taken.
+// storeys, others of that whose height is nearest; without any sensor all storeys are there, with all in them
+// that looks up below a person's height. Tops of walls that no sensor stands above are no floor. Of several
+// sensors at one place over a floor the first is taken.
 std::vector<PlanFloor> planFloors(const Scene& scene, const PlanValues& given);
+
+// "floors from 3.00 m", building metres, of some of a storey.
+std::string storeyInWords(const std::vector<PlanFloor>& floors, double worldPerBuilding);
 
 // Edges of some patches that only one of them has, by place so that welding does not matter.
 Edges borders(const geometry::PatchMesh& mesh, const std::vector<size_t>& patches);

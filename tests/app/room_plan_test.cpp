@@ -1,0 +1,66 @@
+// `heliodon model --plan`: what was understood of a sketch, or why it was refused, as a picture.
+#include "tests/app/program.h"
+
+namespace heliodon::test {
+namespace {
+
+class RoomPlan : public InFolder {
+protected:
+    Outcome model(const std::string& sketch) {
+        return heliodon("model " + sketch + " --triangles 300 --quiet --plan " + in("plan.svg") + " -o " +
+                        in("room.obj"));
+    }
+    std::string plan() const { return readText(folder / "plan.svg"); }
+    bool shows(const std::string& words) const { return plan().find(words) != std::string::npos; }
+};
+
+std::string publicSketch(const std::string& name) {
+    return std::string(HELIODON_TEST_DATA) + "/geometry/sketches/" + name + ".json";
+}
+
+TEST_F(RoomPlan, names_rooms_walls_and_openings) {
+    ASSERT_EQ(model(publicSketch("p05_T_two_rooms")).exitCode, 0);
+    for (const char* words : {">room 0<", ">room 1<", ">w1<", ">opening<", "w1: exterior", "w5: interior"})
+        EXPECT_TRUE(shows(words)) << words;
+    EXPECT_FALSE(shows("bounds no room"));
+}
+
+TEST_F(RoomPlan, shows_where_gaps_were_filled) {
+    ASSERT_EQ(model(publicSketch("p02_rect_gaps")).exitCode, 0);
+    EXPECT_TRUE(shows("filled gap"));
+    ASSERT_EQ(model(publicSketch("p01_rect_tight")).exitCode, 0);
+    EXPECT_FALSE(shows("filled gap"));
+}
+
+// What the program wrote is read again as a model, which has no walls by name.
+TEST_F(RoomPlan, shows_rooms_of_models) {
+    ASSERT_EQ(model(publicSketch("p08_cubicle")).exitCode, 0);
+    const Outcome again =
+        heliodon("model " + in("room.obj") + " --quiet --plan " + in("plan.svg") + " -o " + in("again.obj"));
+    ASSERT_EQ(again.exitCode, 0) << again.output;
+    EXPECT_TRUE(shows(">room 0<"));
+    EXPECT_FALSE(shows(">w1<"));
+}
+
+TEST_F(RoomPlan, shows_what_is_refused) {
+    writeText(folder / "open.json", R"({"format": "vh-sketch/1", "units": "inch", "walls": [
+        {"id": "north & co", "a": [0, 0], "b": [9, 0], "height_class": "red"},
+        {"id": "far", "a": [0, 15], "b": [9, 15], "height_class": "blue"}]})");
+    const Outcome refused = model(in("open.json"));
+    EXPECT_EQ(refused.exitCode, 2) << refused.output;
+    EXPECT_TRUE(shows("NOT_ENCLOSED"));
+    EXPECT_TRUE(shows(">north &amp; co<"));
+    EXPECT_TRUE(shows(">bounds no room<"));
+    EXPECT_FALSE(std::filesystem::exists(folder / "room.obj"));
+}
+
+TEST_F(RoomPlan, is_refused_by_its_ending_before_anything_is_written) {
+    const Outcome refused =
+        heliodon("model " + publicSketch("p04_L") + " --plan " + in("plan.pdf") + " -o " + in("room.obj"));
+    EXPECT_EQ(refused.exitCode, 2);
+    EXPECT_NE(refused.output.find("plan.pdf"), std::string::npos) << refused.output;
+    EXPECT_TRUE(std::filesystem::is_empty(folder));
+}
+
+} // namespace
+} // namespace heliodon::test
