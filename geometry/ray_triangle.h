@@ -13,6 +13,9 @@ struct ShellTriangle {
     glm::dvec3 middle() const { return (a + b + c) / 3.0; }
 };
 
+// No one's normal or edge: how often rays along it pass through a closed shell tells inside from outside.
+constexpr glm::dvec3 kOddWay{0.5773, 0.6491, 0.4963};
+
 // How far along `way`, in its lengths, from `from` on; none where the triangle is not met. Borders count as
 // met, but for rays within the triangle's plane.
 inline std::optional<double> distanceTo(const ShellTriangle& t, glm::dvec3 from, glm::dvec3 way) {

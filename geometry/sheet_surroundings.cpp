@@ -17,10 +17,9 @@
 #include "geometry/disjoint_sets.h"
 #include "geometry/outline_area.h"
 #include "geometry/perpendicular.h"
-#include "geometry/ray_triangle.h"
 #include "geometry/segment_distance.h"
 #include "geometry/shell_faces.h"
-#include "geometry/shell_nesting.h"
+#include "geometry/triangle_rays.h"
 
 namespace heliodon::geometry {
 
@@ -76,6 +75,12 @@ std::vector<FlatFace> flatFacesOf(const Building& building) {
     return out;
 }
 
+std::vector<ShellTriangle> trianglesOf(const std::vector<FlatFace>& faces) {
+    std::vector<ShellTriangle> out;
+    for (const FlatFace& face : faces) out.insert(out.end(), face.triangles.begin(), face.triangles.end());
+    return out;
+}
+
 class SheetJudge {
 public:
     SheetJudge(const Building& sheets, const Building& rooms, bool looksIn, double tolerance)
@@ -91,14 +96,13 @@ public:
         setReach(sheets, all.diagonal());
         for (const Bounds& box : ofRooms) height_ = std::min(height_, (box.high - box.low).y);
         if (height_ > kAttic) height_ = std::clamp(height_, kLowRoom, kHighRoom);
-        for (const FlatFace& face : rooms_) {
-            boxes_.push_back(face.box);
-            shell_.insert(shell_.end(), face.triangles.begin(), face.triangles.end());
-        }
-        for (const FlatFace& sheet : sheets_)
-            open_.insert(open_.end(), sheet.triangles.begin(), sheet.triangles.end());
-        all_ = open_;
-        all_.insert(all_.end(), shell_.begin(), shell_.end());
+        for (const FlatFace& face : rooms_) boxes_.push_back(face.box);
+        std::vector<ShellTriangle> together = trianglesOf(sheets_);
+        open_.emplace(together, tolerance);
+        const std::vector<ShellTriangle> shell = trianglesOf(rooms_);
+        shell_.emplace(shell, tolerance);
+        together.insert(together.end(), shell.begin(), shell.end());
+        all_.emplace(std::move(together), tolerance);
     }
 
     std::optional<SheetFault> fault() const {
@@ -123,9 +127,8 @@ public:
         std::vector<uint32_t> out;
         for (const FlatFace& pane : rooms_)
             if (pane.isWindow && std::ranges::all_of(waysOutOf(pane.normal), [&](dvec3 way) {
-                    return std::ranges::any_of(open_, [&](const ShellTriangle& t) {
-                        return distanceTo(t, pane.triangles[0].middle(), way).has_value();
-                    });
+                    return open_->anyWithin(pane.triangles[0].middle(), way,
+                                            std::numeric_limits<double>::infinity());
                 }))
                 out.push_back(pane.face);
         return out;
@@ -174,7 +177,7 @@ private:
     // On both sides: what lies on a wall is not.
     bool isInside(const ShellTriangle& t, dvec3 normal) const {
         return std::ranges::all_of(std::array{1.0, -1.0}, [&](double side) {
-            return crossings(shell_, t.middle() + 2 * side * tolerance_ * normal) % 2 == 1;
+            return shell_->enclose(t.middle() + 2 * side * tolerance_ * normal);
         });
     }
 
@@ -250,25 +253,12 @@ private:
         return false;
     }
 
-    double nearest(dvec3 from, dvec3 way) const {
-        double least = std::numeric_limits<double>::infinity();
-        for (const auto& t : all_)
-            if (const auto at = distanceTo(t, from, way)) least = std::min(least, *at);
-        return least;
-    }
-
-    bool isHidden(dvec3 from, dvec3 way, double reach) const {
-        return std::ranges::any_of(all_, [&](const auto& t) {
-            const auto at = distanceTo(t, from, way);
-            return at && *at <= reach;
-        });
-    }
-
     // Before a sheet, and half-way between what is above and below, no farther than a room is high: canopies
     // with a border and roofs with a parapet are low.
     dvec3 middleBefore(dvec3 from, dvec3 way, double width) const {
         const dvec3 p = from + std::min(0.5 * width, kLeastOfRoom * height_) * way, up(0, 1, 0);
-        return p + 0.5 * (std::min(nearest(p, up), height_) - std::min(nearest(p, -up), height_)) * up;
+        const auto free = [&](dvec3 to) { return std::min(all_->nearest(p, to, height_), height_); };
+        return p + 0.5 * (free(up) - free(-up)) * up;
     }
 
     // Of six sides of a box about the point how many are closed.
@@ -277,18 +267,19 @@ private:
         for (const double up : {1.0, -1.0})
             for (const dvec3 aside :
                  {dvec3(1, 0, 0.3), dvec3(-0.3, 0, 1), dvec3(-1, 0, -0.3), dvec3(0.3, 0, -1)})
-                sides +=
-                    isHidden(p, glm::normalize(dvec3(0, up, 0) + kOffVertical * aside), reach) ? 0.25 : 0;
+                sides += all_->anyWithin(p, glm::normalize(dvec3(0, up, 0) + kOffVertical * aside), reach)
+                             ? 0.25
+                             : 0;
         for (int k = 0; k < kAzimuths; ++k) {
             const double turn = 2 * std::numbers::pi * (k + 0.37) / kAzimuths;
-            sides += isHidden(p, {std::cos(turn), 0, std::sin(turn)}, reach) ? 4.0 / kAzimuths : 0;
+            sides += all_->anyWithin(p, {std::cos(turn), 0, std::sin(turn)}, reach) ? 4.0 / kAzimuths : 0;
         }
         return sides;
     }
 
     bool enclosesRoom(dvec3 middle, dvec3 way, double reach) const { // the side of a sheet there
         const dvec3 from = middle + 2 * tolerance_ * way;
-        const double width = nearest(from, way);
+        const double width = all_->nearest(from, way, 2 * kLeastOfRoom * height_); // wider ones are as good
         return width >= kLeastOfRoom * height_ &&
                sidesAbout(middleBefore(from, way, width), reach) > kEnclosed;
     }
@@ -315,8 +306,8 @@ private:
     }
 
     std::vector<FlatFace> sheets_, rooms_;
-    std::vector<Bounds> boxes_;                     // of the latter
-    std::vector<ShellTriangle> open_, shell_, all_; // triangles of sheets, of rooms, of both
+    std::vector<Bounds> boxes_;                      // of the latter
+    std::optional<TriangleRays> open_, shell_, all_; // of sheets, of rooms, of both
     bool looksIn_;
     double tolerance_, height_ = 1e300; // the latter of a low room
     std::vector<double> reach_;         // per sheet: how far off what it sees may be its room's

@@ -52,9 +52,8 @@ std::vector<bool> bodiesOutside(const std::vector<std::vector<uint32_t>>& around
 } // namespace
 
 int crossings(const std::vector<ShellTriangle>& shell, glm::dvec3 p) {
-    const glm::dvec3 d = glm::normalize(glm::dvec3(0.5773, 0.6491, 0.4963));
     int count = 0;
-    for (const ShellTriangle& t : shell) count += distanceTo(t, p, d).has_value();
+    for (const ShellTriangle& t : shell) count += distanceTo(t, p, kOddWay).has_value();
     return count;
 }
 

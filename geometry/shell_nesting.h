@@ -29,8 +29,7 @@ struct ShellNesting {
 ShellNesting nestShells(const std::vector<std::vector<ShellTriangle>>& shells,
                         const std::vector<bool>& hasGlass);
 
-// How many times a ray from p, in a direction that is no one's normal or edge, passes through the shell: odd
-// for points inside.
+// How many times a ray from p along kOddWay passes through the shell: odd for points inside.
 int crossings(const std::vector<ShellTriangle>& shell, glm::dvec3 p);
 
 } // namespace heliodon::geometry
