@@ -29,17 +29,18 @@ namespace {
 // Of a pane's diagonal: what is farther off does not bound the hole that it was drawn for.
 constexpr double kMostGap = 0.1;
 
+// Of all glass: what is longer, as terrain and the ground, says nothing of how small the parts of rooms are
+// (a hall of 60 m may have one window of 4).
+constexpr double kMostOfGlass = 16;
+
 class ModelImporter {
 public:
     ModelImporter(const std::filesystem::path& file, UpAxis up) : model_(readRawModel(file)) {
-        glm::dvec3 low(1e300), high(-1e300);
         for (glm::dvec3& p : model_.vertices) p = worldFromModel(p, up);
-        for (const uint32_t v : model_.corners) {
-            low = glm::min(low, model_.vertices[v]);
-            high = glm::max(high, model_.vertices[v]);
-        }
-        extent_ = glm::length(high - low);
-        if (!(extent_ > 0)) throw InputError(model_.file, model_.place(0), "all faces lie in one point");
+        const double all = extentOf([](uint32_t) { return true; });
+        if (!(all > 0)) throw InputError(model_.file, model_.place(0), "all faces lie in one point");
+        const double glass = extentOf(isGlass_);
+        extent_ = glass > 0 ? std::min(all, kMostOfGlass * glass) : all;
         faces_ = flatFaces(model_, extent_);
     }
 
@@ -74,6 +75,19 @@ private:
         size_t panes = 0;                // faces of glass that bound rooms
         std::optional<uint32_t> without; // the first that bounds none
     };
+
+    // Diagonal of the faces of some materials, metres; negative where there are none.
+    double extentOf(const std::function<bool(uint32_t)>& isOne) const {
+        glm::dvec3 low(1e300), high(-1e300);
+        for (size_t f = 0; f < model_.faceCount(); ++f) {
+            if (!isOne(model_.material[f])) continue;
+            for (const uint32_t v : model_.face(f)) {
+                low = glm::min(low, model_.vertices[v]);
+                high = glm::max(high, model_.vertices[v]);
+            }
+        }
+        return high.x < low.x ? -1 : glm::length(high - low);
+    }
 
     ModelRooms rooms(const std::set<uint32_t>& made, const std::function<void()>& beforePart) const {
         try {

@@ -153,6 +153,37 @@ TEST(OpenSheets, eaves_and_the_ground_as_floor_are_cut) {
     expectOutside(floor, "ground", "1", false);
 }
 
+// What corners are one, and what is flat, the glass says, not what stands around.
+TEST(OpenSheets, ground_and_terrain_however_wide_leave_small_parts_of_rooms_as_they_are) {
+    const auto twoPanes = [](const Sheets& around) { // 4 mm apart
+        Drawing drawing(false);
+        drawing.room(0, 5, false);
+        for (const auto& [material, from, to] : {std::tuple("wall", dvec3(0, 0, 0), dvec3(4, 0.8, 0)),
+                                                 std::tuple("wall", dvec3(0, 2, 0), dvec3(4, 2.5, 0)),
+                                                 std::tuple("wall", dvec3(0, 0.8, 0), dvec3(1, 2, 0)),
+                                                 std::tuple("glass", dvec3(1, 0.8, 0), dvec3(1.998, 2, 0)),
+                                                 std::tuple("wall", dvec3(1.998, 0.8, 0), dvec3(2.002, 2, 0)),
+                                                 std::tuple("glass", dvec3(2.002, 0.8, 0), dvec3(3, 2, 0)),
+                                                 std::tuple("wall", dvec3(3, 0.8, 0), dvec3(4, 2, 0))})
+            drawing.face(material, {from, {from.x, to.y, 0}, to, {to.x, from.y, 0}});
+        around(drawing);
+        return drawing.read();
+    };
+    const Building alone = twoPanes([](Drawing&) {});
+    const auto isTheSame = [&](const Sheets& around) {
+        const Building building = twoPanes(around);
+        return building.roomCount == 1 && building.vertices == alone.vertices &&
+               std::ranges::equal(building.faces, alone.faces, {}, &Face::loops, &Face::loops);
+    };
+    EXPECT_TRUE(isTheSame([](Drawing& d) { d.sheet({-1000, 0, -1000}, {0, 0, 2000}, {2000, 0, 0}); }));
+    EXPECT_TRUE(isTheSame([](Drawing& d) {
+        for (int k = 0; k < 400; ++k) {
+            const double x = 200 * (k % 20) - 2000, z = 200 * (k / 20) - 2000;
+            d.face("wall", {{x, -1, z}, {x, -1, z + 200}, {x + 200, -1 - k % 3, z}});
+        }
+    }));
+}
+
 TEST(OpenSheets, a_neighbour_without_its_floor_stands_outside) {
     Drawing drawing(false);
     drawing.room(0, -1, true);
