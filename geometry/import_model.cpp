@@ -45,6 +45,16 @@ public:
     }
 
     Building import(const std::function<void()>& beforePart) {
+        try {
+            return importAsDrawnOrFitted(beforePart);
+        } catch (const InputError&) {
+            if (faces_.folded.empty()) throw;
+            throw foldError(*faces_.folded.begin());
+        }
+    }
+
+private:
+    Building importAsDrawnOrFitted(const std::function<void()>& beforePart) {
         std::optional<InputError> asDrawn, blocks;
         auto made = importPanes(Drawn::slabs, beforePart);
         if (!made && !insideOut_) {
@@ -69,7 +79,6 @@ public:
             "open elsewhere");
     }
 
-private:
     struct WithGlass {
         Building building;
         size_t panes = 0;                // faces of glass that bound rooms
@@ -90,13 +99,26 @@ private:
     }
 
     ModelRooms rooms(const std::set<uint32_t>& made, const std::function<void()>& beforePart) const {
-        try {
-            return roomsOfModel(model_, faces_, extent_, made, beforePart);
-        } catch (const InputError&) {
-            auto out = roomsBesideSheets(made, beforePart);
-            if (!out) throw;
-            return std::move(*out);
-        }
+        ModelRooms out = [&] {
+            try {
+                return roomsOfModel(model_, faces_, extent_, made, beforePart);
+            } catch (const InputError&) {
+                auto beside = roomsBesideSheets(made, beforePart);
+                if (!beside) throw;
+                return std::move(*beside);
+            }
+        }();
+        for (const uint32_t f : out.source)
+            if (const auto folded = faces_.folded.find(f); folded != faces_.folded.end())
+                throw foldError(*folded);
+        return out;
+    }
+
+    InputError foldError(const std::pair<const uint32_t, double>& folded) const {
+        return {model_.file, model_.place(folded.first),
+                fmt::format("the face is not planar, it is bent by {:.2g} m: divide it into "
+                            "triangles where it should fold",
+                            folded.second)};
     }
 
     // Where nothing but open sheets outside of them keeps the model from closing.

@@ -8,7 +8,6 @@
 #include <glm/geometric.hpp>
 
 #include "geometry/counted.h"
-#include "geometry/input_error.h"
 #include "geometry/outline_area.h"
 
 namespace heliodon::geometry {
@@ -125,13 +124,11 @@ ModelFaces flatFaces(const RawModel& model, double extent) {
         }
         if (bend <= kBentOfExtent * extent)
             little.add(i, bend);
-        else if (bend <= kMostBent * std::sqrt(0.5 * glm::length(areaVector(outline))))
+        else {
             much.add(i, bend);
-        else
-            throw InputError(model.file, model.place(i),
-                             fmt::format("the face is not planar, it is bent by {:.2g} m: divide it into "
-                                         "triangles where it should fold",
-                                         bend));
+            if (bend > kMostBent * std::sqrt(0.5 * glm::length(areaVector(outline))))
+                out.folded[static_cast<uint32_t>(i)] = bend;
+        }
         for (SoupFace& piece : inTriangles(face)) out.soup.push_back(std::move(piece));
     }
     for (const auto& corners : model.outside) {

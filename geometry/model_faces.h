@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -19,10 +20,12 @@ struct ModelFaces {
     std::vector<SoupFace> outside; // of kOutsideGroup, flat too
     size_t dropped = 0;            // faces without area
     std::string repair, warning;   // of faces bent by little, and by more; empty where there are none
+    // By the face's number in the file, metres: bent so far that which corners its triangles join would make
+    // another room. Terrain may be.
+    std::map<uint32_t, double> folded;
 };
 
-// Bent faces in triangles, both sides of a wall alike. Throws InputError where a face is bent so far that
-// which corners its triangles join would make another room. `extent`: of the model, metres.
+// Bent faces in triangles, both sides of a wall alike. `extent`: of the model, metres.
 ModelFaces flatFaces(const RawModel& model, double extent);
 
 } // namespace heliodon::geometry

@@ -184,6 +184,24 @@ TEST(OpenSheets, ground_and_terrain_however_wide_leave_small_parts_of_rooms_as_t
     }));
 }
 
+// As a grid of heights is drawn; one of a room's would make another room.
+TEST(OpenSheets, terrain_may_be_of_bent_quads) {
+    const auto quads = [](Drawing& drawing, double y) {
+        for (int k = 0; k < 100; ++k) {
+            const double x = 10 * (k % 10) - 50, z = 10 * (k / 10) - 50, bent = 0.5 * (k % 3);
+            drawing.face("wall", {{x, y, z}, {x, y, z + 10}, {x + 10, y - bent, z + 10}, {x + 10, y, z}});
+        }
+    };
+    Drawing terrain(false);
+    terrain.room(0, -1, true);
+    quads(terrain, -0.5);
+    EXPECT_EQ(terrain.read().roomCount, 1u);
+    Drawing floor(false);
+    floor.room(0, 0, true);
+    floor.face("wall", {{0, 0, 0}, {0, 0, 5}, {4, -0.3, 5}, {4, 0, 0}});
+    EXPECT_THROW(floor.read(), InputError);
+}
+
 TEST(OpenSheets, a_neighbour_without_its_floor_stands_outside) {
     Drawing drawing(false);
     drawing.room(0, -1, true);
