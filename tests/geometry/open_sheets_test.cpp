@@ -231,6 +231,24 @@ TEST(OpenSheets, both_sides_of_them_shade) {
     }
 }
 
+// Below the sill, which is at 0.8 m, slopes are ground, not what hides it; fences stay.
+TEST(OpenSheets, slopes_hide_the_sky_alone) {
+    const auto lowestOf = [](dvec3 up) { // of what is before the window, seen from either side
+        Drawing drawing(false);
+        drawing.room(0, -1, true);
+        drawing.sheet({-5, -1, -2}, {14, 0, 0}, up);
+        const Occluders outside = drawing.read().outside;
+        double lowest = 1e300;
+        for (const uint32_t v : outside.triangles) lowest = std::min(lowest, outside.vertices[v].y);
+        return lowest;
+    };
+    EXPECT_EQ(lowestOf({0, -10, -10}), 1e300); // away from the house
+    EXPECT_EQ(lowestOf({0, 1.7, -10}), 1e300);
+    EXPECT_NEAR(lowestOf({0, 10, -10}), 0.8, 1e-9);
+    EXPECT_NEAR(lowestOf({0, 10, -4}), 0.8, 1e-9);
+    EXPECT_EQ(lowestOf({0, 1.5, 0}), -1);
+}
+
 TEST(OpenSheets, in_rooms_and_through_their_walls_they_are_refused) {
     const dvec3 x(1, 0, 0), y(0, 1, 0), z(0, 0, 1);
     const std::array<Sheets, 6> cases{[&](Drawing& d) {
