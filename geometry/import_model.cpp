@@ -139,7 +139,7 @@ private:
         } catch (const InputError&) {
             return std::nullopt;
         }
-        const auto [fault, blind] =
+        const auto [fault, blind, loggia] =
             judgeSheets(sheets->open, out->building, lookIn(*out), kPlanarOfExtent * extent_);
         if (fault)
             throw InputError(
@@ -148,6 +148,11 @@ private:
                             "rooms)",
                             fault->words));
         out->building.warnings.push_back(sheetsOutside(sheets->open));
+        if (loggia)
+            out->building.warnings.push_back(fmt::format(
+                "a space before a window that lacks a side (of {} and others) was taken as a loggia, not as "
+                "a room",
+                model_.place(*loggia)));
         if (!blind.empty())
             out->building.warnings.push_back(fmt::format(
                 "{} (the first at {}) {} at nothing but these: light enters past their edges alone",

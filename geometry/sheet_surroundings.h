@@ -20,14 +20,13 @@ struct SheetVerdict {
     // Without fault: windows, by face of the rooms, that look at nothing but sheets, as behind an outer skin
     // without holes.
     std::vector<uint32_t> blindWindows;
+    std::optional<uint32_t> loggia; // without fault: as MissingSides has it
 };
 
 // No fault where no sheet lies in a room, crosses a face of one or lies on its glass, and they enclose no
-// space of a room's size but for one side or less: walls and ceiling beside a closed room are a room that is
-// not closed. `looksIn`: the faces of the rooms are drawn so that they look in; what is behind a sheet's is
-// solid then, as a neighbour without its floor. Within `tolerance` (metres) all may touch. Cost: sheets times
-// faces of rooms that are near, some hundreds of points times all triangles, and at most 72 ways times
-// windows times sheets.
+// space of a room's size but for one side or less (geometry/missing_sides): walls and ceiling beside a closed
+// room are a room that is not closed. `looksIn`: the faces of the rooms are drawn so that they look in.
+// Within `tolerance` (metres) all may touch. Cost: n log n, and sheets times faces of rooms that are near.
 SheetVerdict judgeSheets(const std::vector<SoupFace>& sheets, const Building& rooms, bool looksIn,
                          double tolerance);
 

@@ -4,6 +4,7 @@
 #include <fstream>
 #include <functional>
 #include <map>
+#include <random>
 #include <sstream>
 #include <string>
 #include <tuple>
@@ -247,6 +248,82 @@ TEST(OpenSheets, slopes_hide_the_sky_alone) {
     EXPECT_NEAR(lowestOf({0, 10, -10}), 0.8, 1e-9);
     EXPECT_NEAR(lowestOf({0, 10, -4}), 0.8, 1e-9);
     EXPECT_EQ(lowestOf({0, 1.5, 0}), -1);
+}
+
+// Without a ceiling what is no higher than people is no room, and neither is what is low.
+TEST(OpenSheets, fences_hedges_and_low_attics_are_no_rooms) {
+    const dvec3 x(1, 0, 0), y(0, 1, 0), z(0, 0, 1);
+    const auto fence = [&](Drawing& d, double height) { // with a gate, on the ground
+        ground(d);
+        const dvec3 up = height * y;
+        d.sheet({-6, 0, -6}, 16.0 * x, up), d.sheet({-6, 0, 11}, 16.0 * x, up);
+        d.sheet({-6, 0, -6}, 17.0 * z, up);
+        d.sheet({10, 0, -6}, 7.0 * z, up), d.sheet({10, 0, 2}, 9.0 * z, up);
+    };
+    const Sheets hedges = [&](Drawing& d) {
+        ground(d);
+        d.sheet({-9, 0, -6}, 22.0 * x, 1.8 * y), d.sheet({-9, 0, -6.8}, 22.0 * x, 1.8 * y);
+    };
+    const Sheets attic = [&](Drawing& d) { // one gable is open
+        d.sheet({0, 2.5, 0}, 4.0 * x, {0, 1.5, 2.5}), d.sheet({0, 2.5, 5}, 4.0 * x, {0, 1.5, -2.5});
+        d.face("wall", {{0, 2.5, 0}, {0, 2.5, 5}, {0, 4, 2.5}});
+    };
+    const std::map<std::string, std::pair<Sheets, std::string>> cases{
+        {"fence", {[&](Drawing& d) { fence(d, 1.8); }, "6"}},
+        {"hedges", {hedges, "3"}},
+        {"attic", {attic, "3"}}};
+    for (const auto& [what, expected] : cases) {
+        Drawing drawing(false);
+        drawing.room(0, -1, true);
+        expected.first(drawing);
+        expectOutside(drawing, what, expected.second, what != "attic");
+    }
+    Drawing yard(false);
+    yard.room(0, -1, true);
+    fence(yard, 2.3);
+    EXPECT_THROW(yard.read(), InputError);
+}
+
+// A balcony between walls and under a slab: the same without a window behind it is a room without its wall.
+TEST(OpenSheets, loggias_are_taken_with_a_word) {
+    for (const bool window : {true, false})
+        for (const bool parapet : {false, true}) {
+            Drawing drawing(false);
+            drawing.room(0, -1, true);
+            const dvec3 o(0, 0, window ? -1.5 : 5), x(4, 0, 0), y(0, 2.5, 0), z(0, 0, 1.5);
+            for (const auto& [at, u, v] :
+                 {std::tuple(o, z, x), std::tuple(o + y, x, z), std::tuple(o, y, z), std::tuple(o + x, z, y)})
+                drawing.sheet(at, u, v);
+            if (parapet) drawing.sheet(window ? o : o + z, x, 0.4 * y);
+            if (!window) {
+                EXPECT_THROW(drawing.read(), InputError) << parapet;
+                continue;
+            }
+            expectOutside(drawing, "loggia", parapet ? "5" : "4");
+            EXPECT_TRUE(std::ranges::any_of(drawing.read().warnings, [](const std::string& warning) {
+                return warning.find("as a loggia") != std::string::npos;
+            }));
+        }
+}
+
+TEST(OpenSheets, crowns_of_leaves_enclose_no_room_and_hide_none) {
+    for (const bool annex : {false, true}) {
+        Drawing drawing(false);
+        drawing.room(0, -1, true);
+        if (annex) drawing.room(6, 1, false);
+        std::mt19937 random(1);
+        const auto place = [&] { return dvec3(random(), random(), random()) / 2147483648.0 - 1.0; };
+        for (int k = 0; k < 1200;) {
+            const dvec3 p = place(), u = 0.4 * glm::normalize(place());
+            if (glm::length(p) > 1) continue;
+            drawing.sheet(dvec3(2, 4, -5) + 2.0 * p, u, 0.6 * glm::cross(u, glm::normalize(place())));
+            ++k;
+        }
+        if (annex)
+            EXPECT_THROW(drawing.read(), InputError);
+        else
+            expectOutside(drawing, "crown", "1200");
+    }
 }
 
 TEST(OpenSheets, in_rooms_and_through_their_walls_they_are_refused) {

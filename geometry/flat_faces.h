@@ -1,0 +1,31 @@
+// Faces of a building each by itself: plane, corners and triangles in space.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include <glm/geometric.hpp>
+
+#include "geometry/bounds.h"
+#include "geometry/building.h"
+#include "geometry/ray_triangle.h"
+
+namespace heliodon::geometry {
+
+struct FlatFace {
+    uint32_t face = 0, surface = 0; // of the building, and what that says of it
+    glm::dvec3 origin{0}, normal{0};
+    std::vector<std::vector<glm::dvec3>> loops;
+    std::vector<ShellTriangle> triangles;
+    Bounds box;
+    bool isGlass = false, isWindow = false; // the latter: to the outside
+
+    double height(glm::dvec3 p) const { return glm::dot(p - origin, normal); }
+};
+
+// Without faces that have no area.
+std::vector<FlatFace> flatFacesOf(const Building& building);
+
+std::vector<ShellTriangle> trianglesOf(const std::vector<FlatFace>& faces);
+
+} // namespace heliodon::geometry

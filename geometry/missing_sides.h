@@ -1,0 +1,30 @@
+// Spaces that open sheets and the faces of rooms enclose but for a side.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "geometry/building.h"
+#include "geometry/flat_faces.h"
+
+namespace heliodon::geometry {
+
+// SoupFace::surface of a sheet; none where nothing is such.
+struct MissingSides {
+    std::optional<uint32_t> room; // of what lacks its wall, floor or ceiling
+    // Of what has floor and ceiling and lacks a wall, before a window of a room at most one and a half rooms'
+    // heights off.
+    std::optional<uint32_t> loggia;
+};
+
+// No room is what is lower than people are, or has no ceiling and walls up to their height alone, as a garden
+// with a fence, or whose walls are of parts that do not hang together and are much smaller, as the leaves of
+// a tree. `looksIn`: what is behind a sheet is solid, as a neighbour without its floor. `ofSheets`,
+// `ofRooms`: their flat faces. Within `tolerance` (metres) they touch. Cost: n log n, some thousands of
+// points each look about.
+MissingSides missingSides(const Building& sheets, const std::vector<FlatFace>& ofSheets,
+                          const Building& rooms, const std::vector<FlatFace>& ofRooms, bool looksIn,
+                          double tolerance);
+
+} // namespace heliodon::geometry
