@@ -1,11 +1,21 @@
 #include "geometry/flat_faces.h"
 
+#include <cmath>
+#include <map>
 #include <utility>
 
+#include "geometry/disjoint_sets.h"
 #include "geometry/face_soup.h"
 #include "geometry/outline_area.h"
+#include "geometry/shell_faces.h"
 
 namespace heliodon::geometry {
+
+namespace {
+
+constexpr double kSteep = 0.7; // of a normal's height: walls are
+
+} // namespace
 
 std::vector<FlatFace> flatFacesOf(const Building& building) {
     std::vector<FlatFace> out;
@@ -35,6 +45,30 @@ std::vector<FlatFace> flatFacesOf(const Building& building) {
 std::vector<ShellTriangle> trianglesOf(const std::vector<FlatFace>& faces) {
     std::vector<ShellTriangle> out;
     for (const FlatFace& face : faces) out.insert(out.end(), face.triangles.begin(), face.triangles.end());
+    return out;
+}
+
+Bounds boundsOfFaces(const std::vector<FlatFace>& faces) {
+    Bounds out = faces[0].box;
+    for (const FlatFace& face : faces)
+        out = {glm::min(out.low, face.box.low), glm::max(out.high, face.box.high)};
+    return out;
+}
+
+std::vector<Whole> wholesOf(const Building& building, const std::vector<FlatFace>& faces) {
+    DisjointSets sets(building.faces.size());
+    for (const auto& [edge, ofIt] : facesOfEdges(building))
+        for (const uint32_t f : ofIt) sets.join(f, ofIt[0]);
+    std::map<uint32_t, Whole> wholes; // by root
+    for (const FlatFace& face : faces) {
+        Whole& whole = wholes[sets.root(face.face)];
+        whole.box = {glm::min(whole.box.low, face.box.low), glm::max(whole.box.high, face.box.high)};
+        const double area = 0.5 * glm::length(areaVector(face.loops[0]));
+        whole.area += area;
+        if (std::abs(face.normal.y) < kSteep) whole.steep += area;
+    }
+    std::vector<Whole> out;
+    for (const FlatFace& face : faces) out.push_back(wholes[sets.root(face.face)]);
     return out;
 }
 

@@ -28,4 +28,16 @@ std::vector<FlatFace> flatFacesOf(const Building& building);
 
 std::vector<ShellTriangle> trianglesOf(const std::vector<FlatFace>& faces);
 
+// Of at least one face.
+Bounds boundsOfFaces(const std::vector<FlatFace>& faces);
+
+// Faces that hang together by edges.
+struct Whole {
+    Bounds box{glm::dvec3(1e300), glm::dvec3(-1e300)};
+    double area = 0, steep = 0; // square metres; of walls, as they slope
+};
+
+// Per face of `faces`, the flat faces of `building`, that which it is of.
+std::vector<Whole> wholesOf(const Building& building, const std::vector<FlatFace>& faces);
+
 } // namespace heliodon::geometry

@@ -11,6 +11,7 @@
 #include "geometry/counted.h"
 #include "geometry/face_soup.h"
 #include "geometry/glass_panes.h"
+#include "geometry/ground_in_rooms.h"
 #include "geometry/input_error.h"
 #include "geometry/model_faces.h"
 #include "geometry/model_file.h"
@@ -126,39 +127,53 @@ private:
                                                 const std::function<void()>& beforePart) const {
         const auto sheets = openSheets(faces_.soup, isGlass_, kWeldOfExtent * extent_);
         if (!sheets) return std::nullopt;
-        ModelFaces faces = faces_;
-        faces.soup = sheets->closed;
-        for (const SoupFace& sheet : sheets->open)
-            for (const bool over : {false, true}) {
-                SoupFace& side = faces.outside.emplace_back(sheet);
-                if (over) turnOver(side);
+        const auto roomsBeside = [&](const std::vector<SoupFace>& open) -> std::optional<ModelRooms> {
+            ModelFaces faces = faces_;
+            faces.soup = sheets->closed;
+            for (const SoupFace& sheet : open)
+                for (const bool over : {false, true}) {
+                    SoupFace& side = faces.outside.emplace_back(sheet);
+                    if (over) turnOver(side);
+                }
+            try {
+                return roomsOfModel(model_, faces, extent_, made, beforePart);
+            } catch (const InputError&) {
+                return std::nullopt;
             }
-        std::optional<ModelRooms> out;
-        try {
-            out = roomsOfModel(model_, faces, extent_, made, beforePart);
-        } catch (const InputError&) {
-            return std::nullopt;
-        }
+        };
+        auto out = roomsBeside(sheets->open);
+        if (!out) return std::nullopt;
+        const GroundOutside ground = groundOutside(sheets->open, out->building, kPlanarOfExtent * extent_);
+        if (ground.surface) out = roomsBeside(ground.sheets);
+        if (out) judge(ground, *out);
+        return out;
+    }
+
+    // Warns of sheets, or throws where they are none that stand outside.
+    void judge(const GroundOutside& ground, ModelRooms& rooms) const {
         const auto [fault, blind, loggia] =
-            judgeSheets(sheets->open, out->building, lookIn(*out), kPlanarOfExtent * extent_);
+            judgeSheets(ground.sheets, rooms.building, lookIn(rooms), kPlanarOfExtent * extent_);
         if (fault)
             throw InputError(
                 model_.file, model_.place(fault->surface),
                 fmt::format("the model is not closed: this face {} (what is open has to stand outside of "
                             "rooms)",
                             fault->words));
-        out->building.warnings.push_back(sheetsOutside(sheets->open));
+        std::vector<std::string>& warnings = rooms.building.warnings;
+        warnings.push_back(sheetsOutside(ground.sheets));
+        if (ground.surface)
+            warnings.push_back(fmt::format("the ground ({} and others of it) runs on through rooms: what "
+                                           "lies in them was left out, their floors are as drawn",
+                                           model_.place(*ground.surface)));
         if (loggia)
-            out->building.warnings.push_back(fmt::format(
-                "a space before a window that lacks a side (of {} and others) was taken as a loggia, not as "
-                "a room",
-                model_.place(*loggia)));
+            warnings.push_back(fmt::format("a space before a window that lacks a side (of {} and others) "
+                                           "was taken as a loggia, not as a room",
+                                           model_.place(*loggia)));
         if (!blind.empty())
-            out->building.warnings.push_back(fmt::format(
+            warnings.push_back(fmt::format(
                 "{} (the first at {}) {} at nothing but these: light enters past their edges alone",
-                counted(blind.size(), "window"), model_.place(out->source[blind[0]]),
+                counted(blind.size(), "window"), model_.place(rooms.source[blind[0]]),
                 blind.size() == 1 ? "looks" : "look"));
-        return out;
     }
 
     std::string sheetsOutside(const std::vector<SoupFace>& sheets) const {

@@ -3,12 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <map>
 #include <numbers>
 
-#include "geometry/disjoint_sets.h"
-#include "geometry/outline_area.h"
-#include "geometry/shell_faces.h"
 #include "geometry/triangle_rays.h"
 
 namespace heliodon::geometry {
@@ -17,38 +13,29 @@ namespace {
 
 using glm::dvec3;
 
-constexpr size_t kMostSamples = 4000; // triangles of sheets that are looked from, about
-constexpr double kEnclosed = 4.5;     // of six sides, the four about counted by their angles
-constexpr int kAzimuths = 24;         // ways that are looked along about, and
-constexpr double kLeastOfRoom = 0.25; // of the lowest room's height: what is narrower is none
-constexpr double kLeastWalls = 0.5;   // of its square: so much of a room's walls
-constexpr double kLeastWhole = 0.5;   // of it: smaller ones are no walls
-constexpr double kSteep = 0.7;        // of a normal's height: walls are
-constexpr double kLeastSteep = 0.1;   // of the area of what has walls
+constexpr size_t kMostSamples = 4000;  // triangles of sheets that are looked from, about
+constexpr double kEnclosed = 4.5;      // of six sides, the four about counted by their angles
+constexpr int kAzimuths = 24;          // ways that are looked along about, and
+constexpr double kLeastOfRoom = 0.25;  // of the lowest room's height: what is narrower is none
+constexpr double kLeastWalls = 0.5;    // of its square: so much of a room's walls
+constexpr double kLeastWhole = 0.5;    // of it: smaller ones are no walls
+constexpr double kLeastSteep = 0.1;    // of the area of what has walls
+constexpr double kDeepLoggia = 1.5;    // of the lowest room's height
+constexpr int kLeastOfWindow = 2;      // of kAzimuths
+constexpr double kOffVertical = 0.176; // tangent: up and down are four ways, not along a joint
+
 // Metres: of buildings neither an attic nor a hall says how high the least room is; lower are models.
 constexpr double kAttic = 1, kLowRoom = 2, kHighRoom = 3;
 constexpr double kFence = 2.05, kFenceOfRoom = 0.95; // metres, and at most that of the lowest room
-constexpr double kDeepLoggia = 1.5;                  // of the lowest room's height
-constexpr int kLeastOfWindow = 2;                    // of kAzimuths
-constexpr double kOffVertical = 0.176;               // tangent: up and down are four ways, not along a joint
 
 class SideFinder {
 public:
     SideFinder(const Building& sheets, const std::vector<FlatFace>& ofSheets, const Building& rooms,
                const std::vector<FlatFace>& ofRooms, bool looksIn, double tolerance)
         : sheets_(ofSheets), looksIn_(looksIn), tolerance_(tolerance) {
-        std::vector<Bounds> boxes(rooms.roomCount, {dvec3(1e300), dvec3(-1e300)});
-        Bounds all = boxes[0];
-        for (const Face& face : rooms.faces)
-            for (const uint32_t v : face.loops[0]) {
-                const dvec3 p = rooms.vertices[v];
-                for (Bounds* box : {&boxes[face.room], &all})
-                    *box = {glm::min(box->low, p), glm::max(box->high, p)};
-            }
-        for (const Bounds& box : boxes) height_ = std::min(height_, (box.high - box.low).y);
-        if (height_ > kAttic) height_ = std::clamp(height_, kLowRoom, kHighRoom);
-        fence_ = std::min(kFence, kFenceOfRoom * height_);
-        findWholes(sheets, all.diagonal());
+        height_ = heightOfLowRoom(rooms);
+        fence_ = heightOfFences(height_);
+        findWholes(sheets, boundsOfFaces(ofRooms).diagonal());
         std::vector<FlatFace> around, windows;
         for (size_t k = 0; k < sheets_.size(); ++k)
             if (!isSmall_[k]) around.push_back(sheets_[k]);
@@ -93,23 +80,7 @@ private:
     // its room's: the length of the house, or of that where it has walls. A hall may be longer than the
     // house, but the ground is no floor of a room with the houses across the street for walls.
     void findWholes(const Building& sheets, double house) {
-        struct Whole {
-            Bounds box{dvec3(1e300), dvec3(-1e300)};
-            double area = 0, steep = 0;
-        };
-        DisjointSets sets(sheets.faces.size());
-        for (const auto& [edge, faces] : facesOfEdges(sheets))
-            for (const uint32_t f : faces) sets.join(f, faces[0]);
-        std::map<uint32_t, Whole> wholes; // by root
-        for (const FlatFace& sheet : sheets_) {
-            Whole& whole = wholes[sets.root(sheet.face)];
-            whole.box = {glm::min(whole.box.low, sheet.box.low), glm::max(whole.box.high, sheet.box.high)};
-            const double area = glm::length(areaVector(sheet.loops[0]));
-            whole.area += area;
-            if (std::abs(sheet.normal.y) < kSteep) whole.steep += area;
-        }
-        for (const FlatFace& sheet : sheets_) {
-            const Whole& whole = wholes[sets.root(sheet.face)];
+        for (const Whole& whole : wholesOf(sheets, sheets_)) {
             const double length = whole.box.diagonal();
             isSmall_.push_back(length < kLeastWhole * height_);
             reach_.push_back(whole.steep > kLeastSteep * whole.area ? std::max(house, length) : house);
@@ -177,6 +148,23 @@ private:
 };
 
 } // namespace
+
+double heightOfLowRoom(const Building& rooms) {
+    std::vector<glm::dvec2> range(rooms.roomCount, {1e300, -1e300}); // of heights
+    for (const Face& face : rooms.faces)
+        for (const uint32_t v : face.loops[0]) {
+            const double y = rooms.vertices[v].y;
+            glm::dvec2& its = range[face.room];
+            its = {std::min(its.x, y), std::max(its.y, y)};
+        }
+    double least = 1e300;
+    for (const glm::dvec2 its : range) least = std::min(least, its.y - its.x);
+    return least > kAttic ? std::clamp(least, kLowRoom, kHighRoom) : least;
+}
+
+double heightOfFences(double lowRoom) {
+    return std::min(kFence, kFenceOfRoom * lowRoom);
+}
 
 MissingSides missingSides(const Building& sheets, const std::vector<FlatFace>& ofSheets,
                           const Building& rooms, const std::vector<FlatFace>& ofRooms, bool looksIn,

@@ -10,6 +10,12 @@
 
 namespace heliodon::geometry {
 
+// Metres: of the lowest room, as it says how high rooms are: in a building between 2 and 3.
+double heightOfLowRoom(const Building& rooms);
+
+// Metres: what is lower is no room, beside rooms of which the lowest is so high.
+double heightOfFences(double lowRoom);
+
 // SoupFace::surface of a sheet; none where nothing is such.
 struct MissingSides {
     std::optional<uint32_t> room; // of what lacks its wall, floor or ceiling

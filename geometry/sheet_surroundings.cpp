@@ -13,11 +13,11 @@
 #include "geometry/bounds.h"
 #include "geometry/box_tree.h"
 #include "geometry/clip_polygon.h"
+#include "geometry/face_crossing.h"
 #include "geometry/flat_faces.h"
 #include "geometry/missing_sides.h"
 #include "geometry/outline_area.h"
 #include "geometry/perpendicular.h"
-#include "geometry/segment_distance.h"
 #include "geometry/triangle_rays.h"
 
 namespace heliodon::geometry {
@@ -26,8 +26,7 @@ namespace {
 
 using glm::dvec3;
 
-constexpr int kAzimuths = 24;      // ways that are looked along about a pane's normal
-constexpr double kParallel = 1e-6; // sine: planes that meet nowhere
+constexpr int kAzimuths = 24; // ways that are looked along about a pane's normal
 
 class SheetJudge {
 public:
@@ -41,7 +40,7 @@ public:
         const BoxTree tree(boxes_);
         for (const FlatFace& sheet : sheets_) {
             if (std::ranges::any_of(sheet.triangles,
-                                    [&](const auto& t) { return isInside(t, sheet.normal); }))
+                                    [&](const auto& t) { return isWithin(shell_, t, tolerance_); }))
                 return SheetFault{sheet.surface,
                                   "lies in a room, a sheet without thickness that encloses nothing"};
             if (tree.anyHolding(sheet.box.high + tolerance_, sheet.box.low - tolerance_,
@@ -77,63 +76,8 @@ private:
         return out;
     }
 
-    // On both sides: what lies on a wall is not.
-    bool isInside(const ShellTriangle& t, dvec3 normal) const {
-        return std::ranges::all_of(std::array{1.0, -1.0}, [&](double side) {
-            return shell_.enclose(t.middle() + 2 * side * tolerance_ * normal);
-        });
-    }
-
     bool meet(const FlatFace& sheet, const FlatFace& wall) const {
-        return cross(sheet, wall) || (wall.isGlass && covers(sheet, wall));
-    }
-
-    // Whether the line of both planes runs on both faces, and not along the border of either.
-    bool cross(const FlatFace& one, const FlatFace& other) const {
-        const dvec3 line = glm::cross(one.normal, other.normal);
-        if (!(glm::length(line) > kParallel)) return false;
-        const dvec3 way = glm::normalize(line);
-        const std::vector<Stretch> onOther = stretchesOn(other, one, way);
-        for (const Stretch& a : stretchesOn(one, other, way))
-            for (const Stretch& b : onOther) {
-                const double from = std::max(a.from, b.from), to = std::min(a.to, b.to);
-                if (to - from <= 2 * tolerance_) continue;
-                const dvec3 middle = a.origin + 0.5 * (from + to) * way;
-                if (toBorder(one, middle) > tolerance_ && toBorder(other, middle) > tolerance_) return true;
-            }
-        return false;
-    }
-
-    // Of triangles of a face that another one's plane crosses, not only touches, where that is: `origin` plus
-    // lengths along `way`, of both planes.
-    struct Stretch {
-        dvec3 origin;
-        double from, to;
-    };
-    std::vector<Stretch> stretchesOn(const FlatFace& face, const FlatFace& plane, dvec3 way) const {
-        std::vector<Stretch> out;
-        for (const ShellTriangle& t : face.triangles) {
-            const std::array corner{t.a, t.b, t.c};
-            const std::array height{plane.height(t.a), plane.height(t.b), plane.height(t.c)};
-            if (std::ranges::max(height) <= tolerance_ || std::ranges::min(height) >= -tolerance_) continue;
-            std::optional<Stretch> on;
-            for (size_t k = 0; k < 3; ++k) {
-                const double a = height[k], b = height[(k + 1) % 3];
-                if ((a > 0) == (b > 0)) continue;
-                const dvec3 p = corner[k] + a / (a - b) * (corner[(k + 1) % 3] - corner[k]);
-                const double along = glm::dot(p, way);
-                if (!on) on = Stretch{p - along * way, along, along};
-                on->from = std::min(on->from, along), on->to = std::max(on->to, along);
-            }
-            out.push_back(*on); // some height is above, some below
-        }
-        return out;
-    }
-
-    static double toBorder(const FlatFace& face, dvec3 p) {
-        double least = std::numeric_limits<double>::infinity();
-        for (const auto& loop : face.loops) least = std::min(least, distanceToLoop(p, loop));
-        return least;
+        return facesCross(sheet, wall, tolerance_) || (wall.isGlass && covers(sheet, wall));
     }
 
     // In the plane of the pane and, more than by its border, over it.

@@ -185,6 +185,41 @@ TEST(OpenSheets, ground_and_terrain_however_wide_leave_small_parts_of_rooms_as_t
     }));
 }
 
+// The window looks at it as if it were cut out: what is left of a hill that is higher than the sill is at the
+// walls or outside of them.
+TEST(OpenSheets, ground_that_runs_on_through_rooms_is_cut_at_their_walls) {
+    const auto inRooms = [](Drawing& drawing, dvec3 back) {
+        drawing.room(0, -1, true);
+        drawing.sheet({-20, 0.3, -20}, {0, 0, 20}, {44, 0, 0});
+        drawing.sheet({-20, 0.3, 0}, back, {44, 0, 0});
+    };
+    for (const double rise : {0.0, 10.0}) { // to 1.3 m at the back wall
+        Drawing drawing(false);
+        inRooms(drawing, {0, rise, 25});
+        const Building building = drawing.read();
+        EXPECT_EQ(building.roomCount, 1u);
+        EXPECT_NEAR(volume(meshBuilding(building, {300})), 50, 1e-4);
+        EXPECT_TRUE(std::ranges::any_of(building.warnings, [](const std::string& warning) {
+            return warning.starts_with("the ground (") &&
+                   warning.find("in them was left out") != std::string::npos;
+        }));
+        const auto& [vertices, triangles] = building.outside;
+        for (size_t t = 0; t < triangles.size(); t += 3) {
+            const dvec3 middle =
+                (vertices[triangles[t]] + vertices[triangles[t + 1]] + vertices[triangles[t + 2]]) / 3.0;
+            EXPECT_FALSE(middle.x > 0 && middle.x < 4 && middle.z > 0 && middle.z < 5);
+        }
+    }
+    Drawing storeys(false); // of 6 m: its floor, or the ground
+    storeys.room(0, 1, true);
+    const dvec3 x(4, 0, 0), y(0, 3.5, 0), z(0, 0, 5), o(0, 2.5, 0);
+    for (const auto& [at, u, v] : {std::tuple(o + y, x, z), std::tuple(o, y, z), std::tuple(o + x, z, y),
+                                   std::tuple(o + z, y, x), std::tuple(o, x, y)})
+        storeys.sheet(at, u, v);
+    ground(storeys, 3);
+    EXPECT_THROW(storeys.read(), InputError);
+}
+
 // As a grid of heights is drawn; one of a room's would make another room.
 TEST(OpenSheets, terrain_may_be_of_bent_quads) {
     const auto quads = [](Drawing& drawing, double y) {
@@ -343,7 +378,9 @@ TEST(OpenSheets, in_rooms_and_through_their_walls_they_are_refused) {
                                       [&](Drawing& d) {
                                           d.sheet({1, 1, 4}, x, 3.0 * z);
                                       },
-                                      [](Drawing& d) { ground(d, 0.3); }};
+                                      [](Drawing& d) {
+                                          d.sheet({-1, 0.3, -1}, {0, 0, 7}, {6, 0, 0});
+                                      }};
     for (const Sheets& sheets : cases)
         for (const bool overhang : {false, true}) {
             Drawing drawing(false);

@@ -1,0 +1,25 @@
+// The ground is often drawn as one surface that runs on through the houses that stand in it.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "geometry/building.h"
+#include "geometry/face_soup.h"
+
+namespace heliodon::geometry {
+
+struct GroundOutside {
+    std::vector<SoupFace> sheets;    // as given, what was ground in rooms left out
+    std::optional<uint32_t> surface; // of a sheet that was cut; none where all are as given
+};
+
+// Cuts open sheets at the walls of rooms where what they hang together with is level for the most part and
+// covers three times the area of all rooms or more. What of them lies in a room goes, where there is less
+// above or below it than a storey's height (geometry/missing_sides), so that it is no floor between two. What
+// runs through glass is left as it is. Within `tolerance` (metres) they touch. Cost: n log n, and sheets
+// times faces of rooms that they cross.
+GroundOutside groundOutside(const std::vector<SoupFace>& sheets, const Building& rooms, double tolerance);
+
+} // namespace heliodon::geometry
