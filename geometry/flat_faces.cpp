@@ -55,6 +55,11 @@ Bounds boundsOfFaces(const std::vector<FlatFace>& faces) {
     return out;
 }
 
+double areaFromAbove(const Bounds& box) {
+    const glm::dvec3 size = box.high - box.low;
+    return size.x * size.z;
+}
+
 std::vector<Whole> wholesOf(const Building& building, const std::vector<FlatFace>& faces) {
     DisjointSets sets(building.faces.size());
     for (const auto& [edge, ofIt] : facesOfEdges(building))
@@ -62,6 +67,7 @@ std::vector<Whole> wholesOf(const Building& building, const std::vector<FlatFace
     std::map<uint32_t, Whole> wholes; // by root
     for (const FlatFace& face : faces) {
         Whole& whole = wholes[sets.root(face.face)];
+        whole.id = sets.root(face.face);
         whole.box = {glm::min(whole.box.low, face.box.low), glm::max(whole.box.high, face.box.high)};
         const double area = 0.5 * glm::length(areaVector(face.loops[0]));
         whole.area += area;

@@ -31,8 +31,12 @@ std::vector<ShellTriangle> trianglesOf(const std::vector<FlatFace>& faces);
 // Of at least one face.
 Bounds boundsOfFaces(const std::vector<FlatFace>& faces);
 
+// Square metres.
+double areaFromAbove(const Bounds& box);
+
 // Faces that hang together by edges.
 struct Whole {
+    uint32_t id = 0; // distinct
     Bounds box{glm::dvec3(1e300), glm::dvec3(-1e300)};
     double area = 0, steep = 0; // square metres; of walls, as they slope
 };

@@ -3,13 +3,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <utility>
 
 #include "geometry/box_tree.h"
 #include "geometry/clip_polygon.h"
 #include "geometry/face_crossing.h"
 #include "geometry/missing_sides.h"
-#include "geometry/outline_area.h"
+#include "geometry/shell_faces.h"
 
 namespace heliodon::geometry {
 
@@ -20,11 +21,6 @@ using glm::dvec3;
 constexpr double kMuchLarger = 3;  // than the rooms, from above
 constexpr double kMostSteep = 0.5; // of its area
 constexpr double kLevel = 0.25;    // of a normal: slopes, not partitions that stand on the ground
-
-double areaFromAbove(const Bounds& box) {
-    const dvec3 size = box.high - box.low;
-    return size.x * size.z;
-}
 
 FlatFace flatFaceOf(const std::vector<dvec3>& corners, dvec3 normal) { // convex
     FlatFace out{.origin = corners[0], .normal = normal, .loops = {corners}, .box = boundsOf(corners)};
@@ -104,19 +100,87 @@ private:
     double storey_, tolerance_;
 };
 
+// Each face by its place in the given ones.
+Building weldedByNumber(std::vector<SoupFace> faces, double tolerance) {
+    for (uint32_t k = 0; k < faces.size(); ++k) faces[k].surface = k;
+    return weldFaces(faces, 1, tolerance, true);
+}
+
+bool isLevel(const Whole& whole) {
+    return whole.steep <= kMostSteep * whole.area;
+}
+
+// What hangs together and is closed, by Whole::id.
+struct Body {
+    Whole whole;
+    bool isClosed = true, hasGlass = false, hasWalls = false;
+    double volume = 0; // below 0 where the faces look in
+
+    void add(const FlatFace& face) {
+        for (const ShellTriangle& t : face.triangles)
+            volume += glm::dot(t.a - whole.box.low, glm::cross(t.b - whole.box.low, t.c - whole.box.low)) / 6;
+    }
+};
+
+std::map<uint32_t, Body> bodiesOf(const Building& welded, const std::vector<FlatFace>& flat,
+                                  const std::vector<Whole>& wholes,
+                                  const std::function<bool(uint32_t)>& isGlass) {
+    std::map<uint32_t, Body> bodies;
+    std::map<uint32_t, Body*> bodyOf; // by welded face
+    for (size_t k = 0; k < flat.size(); ++k) {
+        Body& body = bodies.try_emplace(wholes[k].id, Body{.whole = wholes[k]}).first->second;
+        body.add(flat[k]);
+        (isGlass(welded.faces[flat[k].face].material) ? body.hasGlass : body.hasWalls) = true;
+        bodyOf[flat[k].face] = &body;
+    }
+    for (const auto& [edge, around] : facesOfEdges(welded))
+        if (const auto body = bodyOf.find(around[0]); around.size() != 2 && body != bodyOf.end())
+            body->second->isClosed = false;
+    return bodies;
+}
+
 } // namespace
+
+std::optional<OpenSheets> openGround(const std::vector<SoupFace>& faces,
+                                     const std::function<bool(uint32_t)>& isGlass, double tolerance) {
+    const Building welded = weldedByNumber(faces, tolerance);
+    const std::vector<FlatFace> flat = flatFacesOf(welded);
+    const std::vector<Whole> wholes = wholesOf(welded, flat);
+    const std::map<uint32_t, Body> bodies = bodiesOf(welded, flat, wholes, isGlass);
+    Bounds house{dvec3(1e300), dvec3(-1e300)};
+    for (const auto& [id, body] : bodies)
+        if (body.hasGlass && body.hasWalls)
+            house = {glm::min(house.low, body.whole.box.low), glm::max(house.high, body.whole.box.high)};
+    if (house.low.x > house.high.x) return std::nullopt;
+    const auto isGroundBody = [&](const Body& body) {
+        return !body.hasGlass && body.isClosed && isLevel(body.whole) &&
+               body.whole.box.low.y < house.low.y - tolerance &&
+               areaFromAbove(body.whole.box) >= kMuchLarger * areaFromAbove(house);
+    };
+    OpenSheets out;
+    std::vector<bool> isGround(faces.size(), false);
+    for (size_t k = 0; k < flat.size(); ++k) {
+        const Body& body = bodies.at(wholes[k].id);
+        if (!isGroundBody(body)) continue;
+        isGround[flat[k].surface] = true;
+        if ((body.volume > 0 ? 1 : -1) * flat[k].normal.y > kLevel)
+            out.open.push_back(faces[flat[k].surface]);
+    }
+    for (size_t k = 0; k < faces.size(); ++k)
+        if (!isGround[k]) out.closed.push_back(faces[k]);
+    if (out.open.empty() || out.closed.empty()) return std::nullopt;
+    return out;
+}
 
 GroundOutside groundOutside(const std::vector<SoupFace>& sheets, const Building& rooms, double tolerance) {
     const GroundCutter cutter(rooms, tolerance);
-    std::vector<SoupFace> numbered = sheets;
-    for (uint32_t k = 0; k < numbered.size(); ++k) numbered[k].surface = k;
-    const Building welded = weldFaces(numbered, 1, tolerance, true);
+    const Building welded = weldedByNumber(sheets, tolerance);
     const std::vector<FlatFace> faces = flatFacesOf(welded);
     const std::vector<Whole> wholes = wholesOf(welded, faces);
     GroundOutside out;
     std::vector<bool> isCut(sheets.size(), false);
     for (size_t k = 0; k < faces.size(); ++k) {
-        if (std::abs(faces[k].normal.y) < kLevel || wholes[k].steep > kMostSteep * wholes[k].area ||
+        if (std::abs(faces[k].normal.y) < kLevel || !isLevel(wholes[k]) ||
             areaFromAbove(wholes[k].box) < kMuchLarger * cutter.roomsFromAbove())
             continue;
         const auto pieces = cutter.outside(faces[k]);

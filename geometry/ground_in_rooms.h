@@ -2,13 +2,22 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <vector>
 
 #include "geometry/building.h"
 #include "geometry/face_soup.h"
+#include "geometry/open_sheets.h"
 
 namespace heliodon::geometry {
+
+// Takes the ground off where it is drawn as a solid: what hangs together, is closed, has no glass (`isGlass`
+// of a material), is level for the most part, covers three times the area of all that has glass in walls, or
+// more, and reaches below that. Of it what looks up is open, the rest goes. None where there is no such body,
+// or nothing else. Corners are one within `tolerance` (metres). Cost: n log n.
+std::optional<OpenSheets> openGround(const std::vector<SoupFace>& faces,
+                                     const std::function<bool(uint32_t)>& isGlass, double tolerance);
 
 struct GroundOutside {
     std::vector<SoupFace> sheets;    // as given, what was ground in rooms left out

@@ -122,14 +122,25 @@ private:
                             folded.second)};
     }
 
-    // Where nothing but open sheets outside of them keeps the model from closing.
+    // Where nothing but open sheets outside of them keeps the model from closing, or the ground drawn as a
+    // solid that rooms reach into.
     std::optional<ModelRooms> roomsBesideSheets(const std::set<uint32_t>& made,
                                                 const std::function<void()>& beforePart) const {
-        const auto sheets = openSheets(faces_.soup, isGlass_, kWeldOfExtent * extent_);
-        if (!sheets) return std::nullopt;
-        const auto roomsBeside = [&](const std::vector<SoupFace>& open) -> std::optional<ModelRooms> {
+        const double tolerance = kWeldOfExtent * extent_;
+        std::optional<OpenSheets> sheets = openSheets(faces_.soup, isGlass_, tolerance);
+        if (sheets)
+            if (auto out = roomsBeside(*sheets, made, beforePart)) return out;
+        auto solid = openGround(sheets ? sheets->closed : faces_.soup, isGlass_, tolerance);
+        if (!solid) return std::nullopt;
+        if (sheets) solid->open.insert(solid->open.end(), sheets->open.begin(), sheets->open.end());
+        return roomsBeside(*solid, made, beforePart);
+    }
+
+    std::optional<ModelRooms> roomsBeside(const OpenSheets& sheets, const std::set<uint32_t>& made,
+                                          const std::function<void()>& beforePart) const {
+        const auto roomsAmong = [&](const std::vector<SoupFace>& open) -> std::optional<ModelRooms> {
             ModelFaces faces = faces_;
-            faces.soup = sheets->closed;
+            faces.soup = sheets.closed;
             for (const SoupFace& sheet : open)
                 for (const bool over : {false, true}) {
                     SoupFace& side = faces.outside.emplace_back(sheet);
@@ -141,10 +152,10 @@ private:
                 return std::nullopt;
             }
         };
-        auto out = roomsBeside(sheets->open);
+        auto out = roomsAmong(sheets.open);
         if (!out) return std::nullopt;
-        const GroundOutside ground = groundOutside(sheets->open, out->building, kPlanarOfExtent * extent_);
-        if (ground.surface) out = roomsBeside(ground.sheets);
+        const GroundOutside ground = groundOutside(sheets.open, out->building, kPlanarOfExtent * extent_);
+        if (ground.surface) out = roomsAmong(ground.sheets);
         if (out) judge(ground, *out);
         return out;
     }

@@ -220,6 +220,25 @@ TEST(OpenSheets, ground_that_runs_on_through_rooms_is_cut_at_their_walls) {
     EXPECT_THROW(storeys.read(), InputError);
 }
 
+// What is not deeper than the house may be a hall that was drawn into it.
+TEST(OpenSheets, ground_drawn_as_a_solid_is_cut_too) {
+    for (const bool overhang : {false, true})
+        for (const double deep : {-4.0, 0.0}) {
+            Drawing drawing(false);
+            drawing.room(0, -1, true);
+            const dvec3 o(-20, deep, -20), x(44, 0, 0), y(0, 0.3 - deep, 0), z(0, 0, 45);
+            for (const auto& [at, u, v] :
+                 {std::tuple(o, x, z), std::tuple(o + y, z, x), std::tuple(o, z, y), std::tuple(o + x, y, z),
+                  std::tuple(o, y, x), std::tuple(o + z, x, y)})
+                drawing.sheet(at, u, v);
+            if (overhang) drawing.sheet({0, 2.5, -1}, {4, 0, 0}, {0, 0, 1});
+            if (deep == 0)
+                EXPECT_THROW(drawing.read(), InputError);
+            else
+                expectOutside(drawing, "solid", overhang ? "2" : "1", overhang);
+        }
+}
+
 // As a grid of heights is drawn; one of a room's would make another room.
 TEST(OpenSheets, terrain_may_be_of_bent_quads) {
     const auto quads = [](Drawing& drawing, double y) {
