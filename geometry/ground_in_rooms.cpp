@@ -39,7 +39,7 @@ public:
         tree_.emplace(boxes_);
     }
 
-    double roomsFromAbove() const { return areaFromAbove(boundsOfFaces(walls_)); }
+    Bounds box() const { return boundsOfFaces(walls_); }
 
     // Convex pieces of the face that lie in no room; none where it lies in none at all.
     std::optional<std::vector<FlatFace>> outside(const FlatFace& face) const {
@@ -177,11 +177,12 @@ GroundOutside groundOutside(const std::vector<SoupFace>& sheets, const Building&
     const Building welded = weldedByNumber(sheets, tolerance);
     const std::vector<FlatFace> faces = flatFacesOf(welded);
     const std::vector<Whole> wholes = wholesOf(welded, faces);
+    const double least = kMuchLarger * areaFromAbove(cutter.box());
     GroundOutside out;
     std::vector<bool> isCut(sheets.size(), false);
     for (size_t k = 0; k < faces.size(); ++k) {
         if (std::abs(faces[k].normal.y) < kLevel || !isLevel(wholes[k]) ||
-            areaFromAbove(wholes[k].box) < kMuchLarger * cutter.roomsFromAbove())
+            areaFromAbove(wholes[k].box) < least)
             continue;
         const auto pieces = cutter.outside(faces[k]);
         if (!pieces) continue;

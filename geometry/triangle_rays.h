@@ -13,6 +13,8 @@ class TriangleRays {
 public:
     // `tolerance` (metres): more than rounding puts a triangle beside its box.
     TriangleRays(std::vector<ShellTriangle> triangles, double tolerance);
+    TriangleRays(const TriangleRays&) = delete;
+    TriangleRays& operator=(const TriangleRays&) = delete;
 
     // As distanceTo() has it, in lengths of `way`; infinite where nothing is met within `reach`.
     double nearest(glm::dvec3 from, glm::dvec3 way, double reach) const;
