@@ -8,12 +8,14 @@
 #include <map>
 #include <optional>
 #include <set>
+#include <unordered_map>
 
 #include <glm/geometric.hpp>
 #include <glm/vec2.hpp>
 
 #include "geometry/box_tree.h"
 #include "geometry/disjoint_sets.h"
+#include "geometry/key_hash.h"
 #include "geometry/outline_area.h"
 #include "geometry/perpendicular.h"
 #include "geometry/plan_arrangement.h"
@@ -26,9 +28,12 @@ namespace {
 
 using glm::dvec3;
 
-constexpr double kOnePlaneCosine = 0.999; // of normals of faces in one plane: these differ by kReach at most
-constexpr double kReach = 0.045, kCell = 0.1; // along an axis; a cell of directions is wider than both ways
-constexpr int32_t kForeign = -1;              // tag of edges of faces that only end in the plane
+constexpr double kOnePlaneCosine = 0.999; // of normals of faces in one plane
+// Cells of directions, along an axis: how wide, and of that how far normals in a cell's neighbours may be
+// off; with the widest those of that cosine are.
+constexpr std::array kCells{0.1, 0.03, 0.01, 0.003};
+constexpr double kReachOfCell = 0.45;
+constexpr int32_t kForeign = -1; // tag of edges of faces that only end in the plane
 
 struct Plane {
     dvec3 origin, normal;
@@ -108,36 +113,55 @@ private:
     // Each face is of the first plane that it lies in.
     std::vector<Plane> planes() const {
         std::vector<Plane> out;
-        std::map<std::array<int, 3>, std::vector<size_t>> turned; // planes, by their normals either way round
+        // Planes, by their normals either way round, in cells of each width.
+        std::array<std::unordered_map<Cell, std::vector<size_t>, KeyHash>, kCells.size()> turned;
         for (uint32_t f = 0; f < welded_.faces.size(); ++f) {
             const auto& loop = welded_.faces[f].loops[0];
             const dvec3 area = areaVector(welded_.vertices, loop);
             if (!(glm::length(area) > tolerance_ * tolerance_)) continue;
             const dvec3 n = glm::normalize(area);
+            const size_t width = narrowestFor(loop, glm::length(area));
             size_t first = out.size();
-            for (const std::array<int, 3>& cell : cellsNear(n))
-                for (const size_t p : turned[cell])
-                    if (p < first && std::abs(glm::dot(n, out[p].normal)) > kOnePlaneCosine &&
-                        std::ranges::all_of(loop, [&](uint32_t v) { return inPlane(out[p], v); }))
-                        first = p;
+            for (const Cell& cell : cellsNear(n, kCells[width]))
+                if (const auto found = turned[width].find(cell); found != turned[width].end())
+                    for (const size_t p : found->second)
+                        if (p < first && std::abs(glm::dot(n, out[p].normal)) > kOnePlaneCosine &&
+                            std::ranges::all_of(loop, [&](uint32_t v) { return inPlane(out[p], v); }))
+                            first = p;
             if (first == out.size()) {
                 out.push_back({welded_.vertices[loop[0]], n, {}});
-                for (const dvec3 way : {n, -n}) turned[cellOf(way)].push_back(first);
+                for (const dvec3 way : {n, -n})
+                    for (size_t k = 0; k < kCells.size(); ++k)
+                        turned[k][cellOf(way, kCells[k])].push_back(first);
             }
             out[first].faces.push_back(f);
         }
         return out;
     }
 
-    static std::array<int, 3> cellOf(dvec3 n) {
-        const glm::ivec3 cell(glm::floor(n / kCell));
-        return {cell.x, cell.y, cell.z};
+    // Of kCells the last that finds all planes that hold the loop, of twice that area: with heights of up to
+    // h over a plane the area leans by at most h times the perimeter.
+    size_t narrowestFor(const std::vector<uint32_t>& loop, double area) const {
+        double around = 0;
+        for (size_t i = 0; i < loop.size(); ++i)
+            around += glm::length(welded_.vertices[loop[(i + 1) % loop.size()]] - welded_.vertices[loop[i]]);
+        const double sine = 2.1 * (2 * tolerance_) * around / area;
+        size_t k = kCells.size() - 1;
+        while (k > 0 && sine > kReachOfCell * kCells[k]) --k;
+        return k;
     }
-    static std::set<std::array<int, 3>> cellsNear(dvec3 n) { // all within kReach of it
-        std::set<std::array<int, 3>> out;
-        for (const double x : {-kReach, kReach})
-            for (const double y : {-kReach, kReach})
-                for (const double z : {-kReach, kReach}) out.insert(cellOf(n + dvec3(x, y, z)));
+
+    using Cell = std::array<int64_t, 3>;
+    static Cell cellOf(dvec3 n, double width) {
+        const dvec3 cell = glm::floor(n / width);
+        return {static_cast<int64_t>(cell.x), static_cast<int64_t>(cell.y), static_cast<int64_t>(cell.z)};
+    }
+    static std::set<Cell> cellsNear(dvec3 n, double width) { // all within kReachOfCell of it
+        std::set<Cell> out;
+        const double reach = kReachOfCell * width;
+        for (const double x : {-reach, reach})
+            for (const double y : {-reach, reach})
+                for (const double z : {-reach, reach}) out.insert(cellOf(n + dvec3(x, y, z), width));
         return out;
     }
 

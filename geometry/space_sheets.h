@@ -18,7 +18,7 @@ struct Sheet {
 
 // Corners of other faces count as on an edge, and faces as in one plane, within `tolerance` (metres). Faces
 // may cross; they are not cut there. Cost: n log n for n faces,
-// n^2 where all lie in one plane or in parallel ones.
+// n^2 where all lie in one plane or in nearly parallel ones.
 std::vector<Sheet> cutIntoSheets(const std::vector<SoupFace>& faces, double tolerance);
 
 // Sheets by common corners; Face::surface: which sheet.
