@@ -1,7 +1,10 @@
 #include "compute/exact_scene.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <set>
+#include <utility>
 
 #include <glm/geometric.hpp>
 #include <glm/vec4.hpp>
@@ -163,6 +166,29 @@ std::vector<RadiatingPiece> cutPieces(std::span<const RadiatingPiece> pieces, si
     }
 }
 
+struct Blockers {
+    std::vector<ConvexRegion> regions;
+    std::vector<bool> ofSolids;
+};
+
+// Of a sheet with two sides one blocks: in float32 the border of two shadows that are one may count twice, or
+// not at all. Of solids, whose fronts alone block, both do.
+Blockers blockersOf(const geometry::PatchMesh& mesh) {
+    std::vector<ConvexRegion> all = blockingRegions(mesh, io::kExactBlockerCorners);
+    const std::vector<bool> ofSolids = regionsOfSolids(mesh, all);
+    std::set<std::pair<uint32_t, std::vector<std::array<double, 3>>>> outlines;
+    Blockers blockers;
+    for (size_t k = 0; k < all.size(); ++k) {
+        std::vector<std::array<double, 3>> outline;
+        for (const dvec3& p : all[k].corners) outline.push_back({p.x, p.y, p.z});
+        std::ranges::sort(outline);
+        if (!ofSolids[k] && !outlines.emplace(all[k].room, std::move(outline)).second) continue;
+        blockers.regions.push_back(std::move(all[k]));
+        blockers.ofSolids.push_back(ofSolids[k]);
+    }
+    return blockers;
+}
+
 std::vector<ExactScene::Covered> coveredOf(const NarrowGaps& gaps) {
     std::vector<ExactScene::Covered> covered;
     for (const NarrowGaps::Overlap& overlap : gaps.overlaps) {
@@ -213,7 +239,7 @@ ExactScene exactScene(gpu::Device& device, const geometry::PatchMesh& mesh, uint
     const NarrowGaps gaps = narrowGaps(mesh, planes, kNarrow);
     scene.covered = coveredOf(gaps);
     std::vector<RadiatingPiece> pieces = piecesOf(mesh, planes, gaps);
-    const std::vector<ConvexRegion> regions = blockingRegions(mesh, io::kExactBlockerCorners);
+    const auto [regions, ofSolids] = blockersOf(mesh);
     if (cutsCrowds && regions.size() > kCrowd && pieces.size() < kFewPieces)
         pieces = cutPieces(pieces, kCutPieces);
     for (size_t i = 0; i < mesh.patchCount(); ++i) scene.patchArea.push_back(geometry::patchArea(mesh, i));
@@ -236,7 +262,6 @@ ExactScene exactScene(gpu::Device& device, const geometry::PatchMesh& mesh, uint
         scene.shareOfPatch.push_back(
             area > 0 ? static_cast<float>(std::min(1.0, double{area} / scene.patchArea[piece.patch])) : 0.0f);
     }
-    const std::vector<bool> ofSolids = regionsOfSolids(mesh, regions);
     for (size_t k = 0; k < regions.size(); ++k)
         faces.add(regions[k].corners, unitOrZero(geometry::areaVector(regions[k].corners)), regions[k].room,
                   ofSolids[k] ? 1 : 0);

@@ -28,6 +28,7 @@ Blocker blockerAt(Frame f, Origin o, uint index) {
     Face face = faceAt(index);
     Blocker b;
     b.normal = turned(f, face.normal);
+    b.sight = sightOf(face);
     [[unroll]] for (uint k = 0u; k < kExactFewCorners; ++k)
         b.corner[k] = turned(f, cornerFrom(o, face.first + min(k, face.count - 1u)) - f.origin);
     return b;

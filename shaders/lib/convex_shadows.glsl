@@ -16,6 +16,7 @@ const vec2 kEmpty = vec2(kHuge, -kHuge);
 struct Blocker {
     vec3 corner[kWalls - 1];
     vec3 normal;
+    float sight; // +1: hides from its front alone, -1 from its back, 0 from either
 };
 
 struct Shadow {
@@ -44,14 +45,17 @@ vec2 alongOf(vec3 line) { return vec2(line.y, -line.x); }
 bvec2 castShadow(Blocker b, inout Shadow s) {
     vec3 k0 = b.corner[0] - point;
     float side = -dot(b.normal, k0), sense = side > 0.0 ? -1.0 : 1.0;
-    bool outside = abs(side) <= kFlat * length(k0), whole = true;
+    bool outside = abs(side) <= kFlat * length(k0) || b.sight * side < 0.0, whole = true;
     [[unroll]] for (int c = 0; c < kWalls; ++c) {
-        vec3 k = b.corner[c % (kWalls - 1)];
-        vec3 n = c == kWalls - 1 ? b.normal : cross(k - point, b.corner[(c + 1) % (kWalls - 1)] - k);
+        vec3 k = b.corner[c % (kWalls - 1)], next = b.corner[(c + 1) % (kWalls - 1)];
+        vec3 n = c == kWalls - 1 ? b.normal : cross(k - point, next - k);
         vec3 line = sense * vec3(n.xy, -dot(n, k));
-        float size = length(n.xy), full = length(n);
-        // Parallel to the piece: all in or all out, out where both are one. No plane: an edge without length.
-        bool level = size <= kParallel * full;
+        // An edge in the piece's plane: through it goes the same line as in the blocker's own plane, but seen from near
+        // the piece's plane rounding would move it. Nor does an edge without length bound anything.
+        bool same = c < kWalls - 1 && abs(k.z) <= kFlat * length(k) && abs(next.z) <= kFlat * length(next);
+        float size = length(n.xy), full = same ? 0.0 : length(n);
+        // Parallel to the piece: all in or all out, out where both are one.
+        bool level = size <= kParallel * full || same;
         float height = abs(line.z) <= kParallel * full * length(k) ? 0.0 : sign(line.z) * kHuge;
         line = level ? vec3(0.0, 0.0, full == 0.0 ? kHuge : height) : line / size;
         float low = kHuge, high = -kHuge;

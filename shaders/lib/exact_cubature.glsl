@@ -58,6 +58,11 @@ float openFrom(vec2 at);
 float bendDistance(vec2 at);
 float gapAt(vec2 at);
 
+// From which side of it a blocker hides: +1 the front, -1 the back, 0 either. Of solids what the first piece of the pair
+// sees as fronts was listed (exact_shaft.glsl); their other faces hide nothing more, and of sheets are in the same place,
+// where rounding would count borders of both shadows twice, or not at all.
+float sightOf(Face blocker) { return blocker.more == 0u ? 0.0 : pair.r.outer < pair.r.inner ? 1.0 : -1.0; }
+
 // More blockers than these are looked at along lines, which errs from point to point: where little may be wrong, that
 // takes more cells than exact borders cost.
 const uint kCrowd = 12u, kCrowdExact = 64u;

@@ -16,12 +16,13 @@ struct Face {
     uint room;
     vec3 normal;
     float area;
+    uint more; // as in faceRange
 };
 
 Face faceAt(uint index) {
     uvec4 range = texelFetch(faceRange, int(index));
     vec4 n = texelFetch(faceNormal, int(index));
-    return Face(range.x, range.y, range.z, n.xyz, n.w);
+    return Face(range.x, range.y, range.z, n.xyz, n.w, range.w);
 }
 
 struct Origin {

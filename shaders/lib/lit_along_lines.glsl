@@ -60,7 +60,7 @@ uvec4 hiddenOf(Frame f, Origin o, vec3 point, uint listed, Chords c, vec4 jitter
             blocker = faceAt(blockerAt(m));
             k0 = cornerFrom(o, blocker.first + blocker.count - 1u) - point;
             float height = dot(blocker.normal, k0);
-            edgeOn = abs(height) <= kFlat * length(k0);
+            edgeOn = abs(height) <= kFlat * length(k0) || sightOf(blocker) * height > 0.0;
             sense = height > 0.0 ? 1.0 : -1.0;
             s = Stretches(vec4(0.0), vec4(1.0));
             narrowBy(s, f, c, sense * blocker.normal, sense * (dot(blocker.normal, toFrame) - height));

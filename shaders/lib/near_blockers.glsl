@@ -50,6 +50,7 @@ void findNear(Frame f, Origin o, vec3 from[3]) {
                 vec3 d = to[q] - k0;
                 outside = outside && sense * dot(blocker.normal, d) < -kSurely * length(d);
             }
+            outside = outside || sightOf(blocker) * sense > 0.0;
         }
         [[unroll]] for (uint k = 0u; k < 4u; ++k) {
             vec3 k1 = cornerFrom(o, blocker.first + min(corner + k, blocker.count - 1u));

@@ -1,7 +1,8 @@
 // How much of a convex polygon is seen from a point behind convex blockers, exactly. In the polygon's plane each
 // blocker's shadow is bounded by lines. The lit part's form factor is the whole's less that of the union of shadows,
 // which is a sum over the union's border of triangles with one corner of the polygon: no polygon is ever cut, rounding
-// moves a border but cannot tear it open. Needs exact_scene.glsl, lambert.glsl and the buffer `lists`.
+// moves a border but cannot tear it open. Needs exact_scene.glsl, lambert.glsl, exact_cubature.glsl
+// (sightOf) and the buffer `lists`.
 #ifndef VISIBLE_POLYGON_GLSL
 #define VISIBLE_POLYGON_GLSL
 #include "shaders/lib/constants.glsl"
@@ -93,17 +94,26 @@ vec3 shadowLine(Frame f, Origin o, Face blocker, vec3 point, float sense, uint c
     return lineOf(f, sense * normal, point + a);
 }
 
+bool liesIn(Frame f, vec3 corner) { return heightOver(f.n, corner - f.origin) == 0.0; }
+
 // Lists the lines of a blocker's shadow that cross the piece. True when all of the piece lies in the shadow.
 bool castShadow(Frame f, Origin o, Face blocker, vec3 point, uint rank, float size) {
     vec3 k0 = cornerFrom(o, blocker.first) - point;
     float side = -dot(blocker.normal, k0);
-    if (abs(side) <= kFlat * length(k0)) return false;
+    if (abs(side) <= kFlat * length(k0) || sightOf(blocker) * side < 0.0) return false;
     float sense = side > 0.0 ? -1.0 : 1.0;
     int before = lineCount;
     bool outside = false, crossed = false;
     float near = nearness(f, point, size);
-    // The blocker's own plane is the cheapest and most often has all of the piece outside.
+    // The blocker's own plane is the cheapest and most often has all of the piece outside. Through an edge that lies in
+    // the piece's plane goes the same line, but seen from near that plane rounding would move it.
+    bool startLies = liesIn(f, cornerFrom(o, blocker.first));
     NO_UNROLL for (int c = int(blocker.count); c >= 0 && !outside; --c) {
+        bool endLies = startLies;
+        if (c < int(blocker.count)) {
+            startLies = liesIn(f, cornerFrom(o, blocker.first + uint(c)));
+            if (startLies && endLies) continue;
+        }
         vec3 line = shadowLine(f, o, blocker, point, sense, uint(c));
         vec2 range = extent(line, near);
         outside = range.y <= 0.0;

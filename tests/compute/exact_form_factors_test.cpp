@@ -1,16 +1,20 @@
 #include "compute/exact_form_factors.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numeric>
 #include <span>
+#include <utility>
 
 #include <glm/geometric.hpp>
 #include <gtest/gtest.h>
 
+#include "compute/convex_regions.h"
 #include "compute/parallel.h"
 #include "compute/reference/form_factor_rows.h"
 #include "geometry/model_file.h"
+#include "shaders/io/exact_form_factors.io.h"
 #include "tests/compute/form_factor_cases.h"
 #include "tests/compute/rooms.h"
 #include "tests/gpu/test_device.h"
@@ -174,6 +178,41 @@ TEST(ExactFormFactors, tilted_screens_without_thickness_that_cross_lose_no_light
             EXPECT_NEAR(sum, 1, 1e-2) << cells << " cells, row " << i;
         }
     }
+}
+
+// Two partitions without thickness that stand on the floor, whose shadows' lines coincide in pairs there: in
+// turned coordinates only nearly. What rounding took for light cost twenty times the cells.
+TEST(ExactFormFactors, a_room_that_is_turned_and_far_off_costs_and_exchanges_the_same) {
+    geometry::PatchMesh upright =
+        test::boxRoom({.low = {0, 0, 0}, .high = {4, 2.5, 3}, .cells = {1, 1, 1}, .triangles = false});
+    for (const auto& [x, z] : {std::pair(1.0, 0.0), std::pair(2.0, 0.6)}) {
+        const auto v = static_cast<uint32_t>(upright.vertices.size());
+        for (const glm::dvec3& p : {glm::dvec3(x, 0, z), {x, 2.5, z}, {x, 2.5, z + 2.4}, {x, 0, z + 2.4}})
+            upright.vertices.push_back(p);
+        for (const std::array<uint32_t, 4>& side :
+             {std::array{v, v + 1, v + 2, v + 3}, {v + 3, v + 2, v + 1, v}})
+            upright.addPatch(side, 0, geometry::Role::projection, 99, 0);
+    }
+    geometry::PatchMesh turned = upright;
+    const glm::dvec3 u = glm::normalize(glm::dvec3(-0.33, -0.57, 0.75)),
+                     v = glm::normalize(glm::cross(u, glm::dvec3(0.4, 1, 0.2))), w = glm::cross(u, v);
+    for (glm::dvec3& p : turned.vertices) p = p.x * u + p.y * v + p.z * w + glm::dvec3(1e4, 1e4, -1e4);
+    const ExactFormFactors one = exactFormFactors(test::device(), upright, {3e-5}),
+                           other = exactFormFactors(test::device(), turned, {3e-5});
+    const size_t n = upright.patchCount();
+    const std::vector<float> F = one.factors.values.download<float>(n * n),
+                             G = other.factors.values.download<float>(n * n);
+    for (size_t k = 0; k < n * n; ++k) EXPECT_NEAR(F[k], G[k], 1e-5) << k; // a third of what was asked
+    EXPECT_EQ(one.statistics.blockers, other.statistics.blockers);
+    EXPECT_EQ(one.statistics.partial, other.statistics.partial);
+    EXPECT_LT(other.statistics.cells, one.statistics.cells * 3 / 2);
+}
+
+// One at a time, since the shadows of both sides are the same.
+TEST(ExactFormFactors, both_sides_of_sheets_that_cross_block_once) {
+    const geometry::PatchMesh mesh = test::crossingScreens(1);
+    const uint32_t blockers = exactFormFactors(test::device(), mesh, {1e-2}).statistics.blockers;
+    EXPECT_EQ(2 * blockers, blockingRegions(mesh, io::kExactBlockerCorners).size());
 }
 
 // A stack of slats casts more lines of shadows on the ceiling than a point can keep: sampled there, and no
