@@ -36,8 +36,8 @@ namespace heliodon::compute {
 
 struct TransportOptions {
     // By default within 1e-3 of every row, which costs no more than a hemicube of 64 x 64 and errs 20 times
-    // less.
-    FormFactorOptions formFactors{.maxError = 1e-3};
+    // less; within 5e-3 behind crowds of blockers, where that would take minutes (kernel_choice.h).
+    FormFactorOptions formFactors;
     uint32_t skyDivision = 2; // Reinhart's MF: 2 is 577 sky elements
     RadiosityOptions radiosity;
     NearWalls nearWalls;

@@ -49,6 +49,11 @@ constexpr double kMostPairsAsLinks = 64e6;
 // asks the host after each batch (2000 patches on an H100: 14 ms against 73; 10,752: as long as links at
 // 5e-3).
 constexpr size_t kDenseOnDiscrete = 12'000;
+// Behind a crowd, where each blocker is a few patches, visible polygons cost about so many CPU seconds a pair
+// of patches and blocker, and rays so many a patch, whatever stands there; what light was not asked to keep
+// then need not be better than kOfRays (160, 312 and 624 boards before a window).
+constexpr double kSecondsOfCrowd = 2e-9, kSecondsOfRays = 4.3e-3, kOfRays = 5e-3, kCrowdOfFew = 4,
+                 kPatience = 100; // CPU seconds
 
 // Of what leaves a patch, a share rho is handed on at most, again and again.
 double amplificationIn(const geometry::PatchMesh& mesh, const FormFactorOptions& options) {
@@ -93,6 +98,24 @@ Obstacles obstaclesIn(const geometry::PatchMesh& mesh) {
             .blockerShare = large / std::max(pairs, 1.0)};
 }
 
+// Where nothing was asked of light, and visible polygons would take minutes.
+bool leaveToRays(const Obstacles& obstacles, size_t patches, const FormFactorOptions& options,
+                 KernelChoice& choice) {
+    const double n = static_cast<double>(patches), polygons = kSecondsOfCrowd * n * n * obstacles.blockers,
+                 rays = kSecondsOfRays * n;
+    if (!options.forLight || options.maxError > 0 || options.maxRadiosityError > 0 ||
+        obstacles.patchesABlocker >= kCrowdOfFew || polygons < std::max(kPatience, 2 * rays))
+        return false;
+    choice.kernel = "montecarlo";
+    choice.maxError = kOfRays;
+    choice.why =
+        fmt::format("auto: behind {:.2g} blockers and {:.2g} patches a blocker visible polygons would take "
+                    "about {:.2g} CPU seconds, rays from patches {:.2g} to a row error of {:g}, since "
+                    "none was asked for",
+                    obstacles.blockers, obstacles.patchesABlocker, polygons, rays, kOfRays);
+    return true;
+}
+
 } // namespace
 
 double errorFromWhichLinksPay(const Obstacles& obstacles) {
@@ -128,6 +151,8 @@ KernelChoice chooseKernel(const gpu::Device& device, const geometry::PatchMesh& 
     const bool denseSooner = device.info().type == "discrete" && mesh.patchCount() <= kDenseOnDiscrete;
     const double pairs = 0.5 * std::pow(static_cast<double>(mesh.patchCount()), 2);
     const bool eachPairALink = obstacles.fewPatchesAPlane && pairs > kMostPairsAsLinks;
+    if (device.info().type != "discrete" && leaveToRays(obstacles, mesh.patchCount(), options, choice))
+        return choice;
     const bool links = choice.maxError >= pays && !denseSooner && !eachPairALink;
     choice.kernel = links ? "hierarchical" : "exact";
     if (links && obstacles.patchesABlocker < kFewABlocker) choice.ofLinks = kOfLinksWithFewABlocker;

@@ -164,6 +164,29 @@ TEST(KernelChoice, unmeshed_faces_are_left_to_visible_polygons) {
     EXPECT_LT(coarse.ofLinks, 1);
 }
 
+// Visible polygons behind thousands of blockers take minutes, which nobody asked light for.
+TEST(KernelChoice, light_among_a_crowd_of_boards_is_left_to_rays_unless_an_error_is_asked) {
+    if (test::device().info().type == "discrete") GTEST_SKIP() << "visible polygons, whatever stands there";
+    const auto boards = [](int count) {
+        geometry::PatchMesh mesh = test::boxRoom({.cells = {1, 1, 1}});
+        for (int i = 0; i < count; ++i) {
+            const glm::dvec3 low(0.1 + 0.17 * (i % 20), 0.1 + 0.1 * (i / 20), 1 + 0.01 * (i % 7));
+            test::addBox(mesh, {.low = low, .high = low + glm::dvec3(0.15, 0.01, 0.1), .cells = {1, 1, 1}});
+        }
+        return mesh;
+    };
+    const geometry::PatchMesh crowd = boards(460);
+    FormFactorOptions light;
+    light.forLight = true;
+    const KernelChoice rays = chooseKernel(test::device(), crowd, light);
+    EXPECT_EQ(rays.kernel, "montecarlo");
+    EXPECT_EQ(rays.maxError, 5e-3);
+    EXPECT_NE(rays.why.find("CPU seconds"), std::string::npos) << rays.why;
+    EXPECT_EQ(chooseKernel(test::device(), boards(100), light).kernel, "exact");
+    light.maxError = 1e-3;
+    EXPECT_EQ(chooseKernel(test::device(), crowd, light).kernel, "exact");
+}
+
 // Seen from inside, without its poles; two triangles lie in a plane.
 geometry::PatchMesh ball(int sides, int rings) {
     std::vector<std::vector<glm::dvec3>> faces;
