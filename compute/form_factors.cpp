@@ -12,6 +12,7 @@
 #include <glm/geometric.hpp>
 
 #include "compute/closed_solid.h"
+#include "compute/contour_exchange.h"
 #include "compute/convex_regions.h"
 #include "compute/exact_form_factors.h"
 #include "compute/gpu/device.h"
@@ -296,7 +297,8 @@ FormFactors factorsOfAuto(gpu::Device& device, const geometry::PatchMesh& mesh,
 
 FormFactorReport tilesOf(gpu::Device& device, const geometry::PatchMesh& mesh,
                          const FormFactorOptions& options, const KernelChoice& choice, const TakeTile& take) {
-    if (choice.kernel == "exact") return exactTiles(device, mesh, exactOptions(options, choice.maxError), take);
+    if (choice.kernel == "exact")
+        return exactTiles(device, mesh, exactOptions(options, choice.maxError), take);
     if (choice.kernel == "hierarchical") {
         const HierarchicalFormFactors factors = links(device, mesh, choice.ofLinks * choice.maxError);
         takeRows(factors, take);
@@ -397,6 +399,47 @@ void claimWhatRaysMiss(const geometry::PatchMesh& mesh, FormFactorReport& report
     claimFeetThatRaysMiss(mesh, report);
 }
 
+// What two faces lack that share an edge and open so little that float32 takes both planes for one: needles.
+void claimWedges(const geometry::PatchMesh& mesh, std::span<const float> F, FormFactorReport& report) {
+    constexpr double kFlat = 5e-7, kNothing = 1e-12; // of the scene
+    constexpr double kOpens = 0.99;                  // cosine between normals of what is no wall in pieces
+    const size_t n = mesh.patchCount();
+    const double size = geometry::boundsOf(mesh.vertices).diagonal();
+    std::map<std::array<double, 7>, uint32_t> byEdge;
+    const auto edgeOf = [&](size_t i, glm::dvec3 a, glm::dvec3 b) {
+        return std::array<double, 7>{1.0 * mesh.room[i], a.x, a.y, a.z, b.x, b.y, b.z};
+    };
+    const auto highest = [&](size_t plane, const std::vector<glm::dvec3>& corners) {
+        double height = 0;
+        for (const glm::dvec3& p : corners)
+            height = std::max(height, glm::dot(geometry::patchNormal(mesh, plane),
+                                               p - mesh.vertices[mesh.patch(plane)[0]]));
+        return height;
+    };
+    const auto flat = [&](double height) { return height > kNothing * size && height <= kFlat * size; };
+    double squares = 0;
+    for (uint32_t i = 0; i < n; ++i) {
+        const std::vector<glm::dvec3> own = geometry::patchCorners(mesh, i);
+        for (size_t k = 0; k < own.size(); ++k) {
+            const glm::dvec3 a = own[k], b = own[(k + 1) % own.size()];
+            byEdge.emplace(edgeOf(i, a, b), i);
+            const auto found = byEdge.find(edgeOf(i, b, a));
+            if (found == byEdge.end()) continue;
+            const uint32_t j = found->second;
+            if (!(geometry::patchArea(mesh, i) > 0) || !(geometry::patchArea(mesh, j) > 0) ||
+                glm::dot(geometry::patchNormal(mesh, i), geometry::patchNormal(mesh, j)) > kOpens)
+                continue;
+            const std::vector<glm::dvec3> other = geometry::patchCorners(mesh, j);
+            if (!flat(highest(i, other)) || !flat(highest(j, own))) continue;
+            const double exchange = contourExchange(own, other);
+            for (const auto& [p, q] : {std::pair(i, j), std::pair(j, i)})
+                squares += std::pow(
+                    std::max(0.0, exchange / geometry::patchArea(mesh, p) - double{F[p * n + q]}), 2);
+        }
+    }
+    report.claimedRowError = std::hypot(report.claimedRowError, std::sqrt(squares / static_cast<double>(n)));
+}
+
 void measureClosure(std::span<const double> rowSums, FormFactorReport& report) {
     double squares = 0;
     report.closureMax = 0;
@@ -490,6 +533,7 @@ void measureFormFactors(const geometry::PatchMesh& mesh, const gpu::Buffer& valu
     measureClosure(sums, report);
     claimExcess(sums, report);
     claimDuplicates(mesh, {F.data(), n * n}, report);
+    claimWedges(mesh, {F.data(), n * n}, report);
     const double reciprocity = std::accumulate(squares.begin(), squares.end(), 0.0);
     const double pairs = 0.5 * static_cast<double>(n) * static_cast<double>(n - 1);
     report.reciprocityRms = std::sqrt(reciprocity / std::max(pairs, 1.0)) / (total / static_cast<double>(n));

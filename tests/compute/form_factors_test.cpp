@@ -15,6 +15,7 @@
 #include "compute/reference/radiosity.h"
 #include "geometry/input_error.h"
 #include "tests/compute/cases.h"
+#include "tests/compute/form_factor_cases.h"
 #include "tests/compute/rooms.h"
 #include "tests/gpu/test_device.h"
 
@@ -210,6 +211,23 @@ TEST(KernelChoice, curved_surfaces_are_left_to_links_sooner_while_their_pairs_ca
     const KernelChoice choice = chooseKernel(test::device(), ball(24, 8), asking("auto", 1e-3));
     EXPECT_EQ(choice.kernel, "hierarchical");
     EXPECT_NE(choice.why.find("few patches a plane"), std::string::npos);
+}
+
+// 1 : 10000, sharing an edge at 0.1 degrees: the tips are 1.7e-7 apart, one plane to float32.
+TEST(FormFactors, what_needles_that_share_an_edge_lose_is_claimed) {
+    const double angle = 0.1 * std::numbers::pi / 180, width = 1e-4;
+    const geometry::PatchMesh mesh =
+        test::meshOf({{{0, 0, 0}, {0, 0, 1}, {width, 0, 0.5}},
+                      {{0, 0, 1}, {0, 0, 0}, {width * std::cos(angle), width * std::sin(angle), 0.5}}});
+    const auto exact = computeFormFactors(test::device(), mesh, asking("exact", 1e-5));
+    const float truth = exact.values.download<float>(4)[1];
+    EXPECT_GT(truth, 0.999f);
+    EXPECT_LT(exact.report.claimedRowError, 1e-5);
+    for (const char* kernel : {"hierarchical", "hemicube", "montecarlo"}) {
+        const auto factors = computeFormFactors(test::device(), mesh, asking(kernel, 1e-2));
+        const float error = std::abs(factors.values.download<float>(4)[1] - truth);
+        EXPECT_GE(factors.report.claimedRowError, 0.999 * double{error}) << kernel;
+    }
 }
 
 // Pairs in closed form come to the end of floats, which is no reason for others to be left coarse.
