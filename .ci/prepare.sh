@@ -11,6 +11,7 @@ build_packages=(
 )
 test_packages=(
     libgtest-dev vulkan-validationlayers xvfb xauth mold
+    xserver-xorg-core xserver-xorg-video-dummy x11-xserver-utils x11-utils openbox
 )
 
 say() { printf '\n== %s\n' "$*"; }

@@ -143,13 +143,11 @@ private:
                 fmt::format("{}: has been changed; what is shown is still by what it was when live began, "
                             "which has to be started again",
                             arguments_.scene.rig.string()));
-        const nlohmann::json& warned = run_.report()["warnings"];
         for (const auto& [warning, text, each] : board_.takeUnsaid())
             if (!warning)
                 run_.note(text);
-            else if (each && std::find(warned.begin(), warned.end(), text) !=
-                                 warned.end()) // which has each text once
-                run_.note("warning: " + text);
+            else if (each)
+                run_.warnAgain(text);
             else
                 run_.warn(text);
     }

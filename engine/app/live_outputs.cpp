@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "engine/app/display_notice.h"
 #include "engine/app/test_pictures.h"
 #include "engine/passes/image_file.h"
 #include "geometry/input_error.h"
@@ -81,6 +82,7 @@ LiveOutputs::LiveOutputs(Run& run, const geometry::Rig& rig, const LiveArguments
     presenter_.emplace(*device_, windows);
     operator_ = std::make_unique<present::OperatorWindow>(*device_, *presenter_, operatorIndex());
     notices_.resize(windows.size());
+    missing_.resize(windows.size());
     saidLost_.resize(windows.size());
     displayLosses_.resize(windows.size());
     chosen_.resize(rig.projectors.size());
@@ -93,16 +95,8 @@ LiveOutputs::~LiveOutputs() {
 
 std::vector<present::Event> LiveOutputs::pollEvents(double waitSeconds) {
     std::vector<present::Event> events = presenter_->pollEvents(waitSeconds);
+    followDisplays();
     for (size_t i = 0; i < notices_.size(); ++i) {
-        const std::string& notice = presenter_->notice(i);
-        if (notice != notices_[i]) {
-            displayLosses_[i] += !notice.empty();
-            if (!notice.empty())
-                run_.warn(notice);
-            else if (presenter_->state(i) != present::WindowState::closed)
-                run_.note(fmt::format("display '{}' is connected", rig_.projectors[i].display));
-        }
-        notices_[i] = notice;
         if (presenter_->reason(i) == present::kDisplayLost && !std::exchange(saidLost_[i], char{1})) {
             run_.warn(fmt::format("{} is closed: {}", windowName(i), present::kDisplayLost));
             endedByLoss_ = !wanted();
@@ -113,6 +107,23 @@ std::vector<present::Event> LiveOutputs::pollEvents(double waitSeconds) {
                (event.kind == present::Event::Kind::key ? operator_->takesKeys() : operator_->takesWheel());
     });
     return events;
+}
+
+void LiveOutputs::followDisplays() {
+    std::vector<std::optional<present::Display>> covered;
+    for (size_t i = 0; i < presenter_->size(); ++i) covered.push_back(presenter_->covers(i));
+    for (size_t i = 0; i < presenter_->size(); ++i) {
+        const bool missing = presenter_->displayMissing(i);
+        if (std::exchange(missing_[i], char{missing}) != char{missing}) {
+            displayLosses_[i] += missing;
+            if (!missing && presenter_->state(i) != present::WindowState::closed)
+                run_.note(fmt::format("{}: its display is connected", windowName(i)));
+        }
+        std::string notice = presenter_->notice(i);
+        if (notice.empty() && i != operatorIndex()) notice = displayNotice(rig_, i, covered);
+        if (std::exchange(notices_[i], notice) != notice && !notice.empty())
+            run_.warnAgain(fmt::format("{}: {}", windowName(i), notice));
+    }
 }
 
 bool LiveOutputs::wanted() const {
@@ -244,12 +255,12 @@ void LiveOutputs::drawOperator(present::OperatorControls& controls, present::Ope
         output.open = presenter_->state(i) != present::WindowState::closed;
         output.fullScreen = presenter_->fullScreen(i);
         output.picture = chosen_[i];
-        output.state = !output.open           ? presenter_->reason(i)
-                       : output.fullScreen    ? "display " + projector.display
-                       : !notices_[i].empty() ? "no " + projector.display + ": window"
-                                              : "window";
+        output.state = !output.open        ? presenter_->reason(i)
+                       : output.fullScreen ? "display " + projector.display
+                       : missing_[i]       ? "no " + projector.display
+                                           : "window";
         status.outputs.push_back(std::move(output));
-        if (!notices_[i].empty()) status.warnings.push_back(notices_[i]);
+        if (!notices_[i].empty()) status.warnings.push_back(fmt::format("{}: {}", windowName(i), notices_[i]));
     }
     operatorPicture_ = operator_->draw(controls, status, actions);
 }
@@ -277,7 +288,7 @@ void LiveOutputs::snapshot(const std::filesystem::path& folder, const std::strin
     const std::vector<std::string> files = snapshotFiles(rig_, name);
     for (size_t i = 0; i < presenter_->size(); ++i) {
         const auto shown = presenter_->lastShown(i);
-        if (!shown || presenter_->state(i) == present::WindowState::closed) continue;
+        if (!shown || presenter_->state(i) != present::WindowState::open) continue;
         passes::writePng(*shown, folder / files[i]);
     }
 }
@@ -288,7 +299,8 @@ std::string LiveOutputs::inWords() const {
         const geometry::Projector& projector = rig_.projectors[i];
         list.push_back(presenter_->fullScreen(i)
                            ? fmt::format("{} on display {}", projector.id, projector.display)
-                           : projector.id + " in a window");
+                       : presenter_->state(i) == present::WindowState::open ? projector.id + " in a window"
+                                                                           : projector.id + " nowhere");
     }
     return fmt::format("{}; operator's window '{}'", fmt::join(list, ", "), kOperatorTitle);
 }
@@ -299,7 +311,7 @@ nlohmann::json LiveOutputs::report() const {
         list.push_back({{"projector", rig_.projectors[i].id},
                         {"display", rig_.projectors[i].display},
                         {"full_screen", presenter_->fullScreen(i)},
-                        {"notice", presenter_->notice(i)},
+                        {"notice", notices_[i]},
                         {"display_losses", displayLosses_[i]},
                         {"closed", presenter_->reason(i)}});
     return list;

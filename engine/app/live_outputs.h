@@ -76,6 +76,7 @@ public:
 private:
     std::vector<bool> closedProjectors() const;
     std::string windowName(size_t window) const;
+    void followDisplays();
     size_t operatorIndex() const { return rig_.projectors.size(); }
     const gpu::Image* testPicture(size_t projector, present::Shown shown);
 
@@ -93,7 +94,8 @@ private:
     gpu::Image camera_;
     std::shared_ptr<const vision::Photograph> cameraShown_;
     std::chrono::steady_clock::time_point cameraSent_{};
-    std::vector<std::string> notices_;
+    std::vector<std::string> notices_; // per window
+    std::vector<char> missing_;        // its display, per window
     std::vector<char> saidLost_;        // per window, too
     bool endedByLoss_ = false;          // the loss noticed last left no window that is needed
     std::vector<size_t> displayLosses_; // per window: how often its display was missing

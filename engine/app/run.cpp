@@ -112,6 +112,11 @@ void Run::warn(const std::string& text) {
     if (isNewWarning(text)) note("warning: " + geometry::printable(text));
 }
 
+void Run::warnAgain(const std::string& text) {
+    isNewWarning(text);
+    note("warning: " + geometry::printable(text));
+}
+
 bool Run::isNewWarning(const std::string& text) {
     json& warnings = report_["warnings"];
     if (!addOnce(warnings, text)) return false;

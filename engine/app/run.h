@@ -33,6 +33,7 @@ public:
     // goes on collecting, and in `warnings_left_out` how many were before.
     static constexpr size_t kMostWarnings = 1000;
     void warn(const std::string& text);
+    void warnAgain(const std::string& text); // the same, said however often it happens
     // Of many of one kind, as of a picture of something else, the first few are shown.
     void warnOfEach(const std::vector<std::string>& texts);
     // What stands in for options not given, said once: to the report and, if `aloud`, to noteAssumed, which

@@ -9,6 +9,7 @@
 
 #include "compute/gpu/commands.h"
 #include "compute/gpu/error.h"
+#include "engine/present/desktop.h"
 #include "engine/present/display_server.h"
 #include "engine/present/presenter_state.h"
 
@@ -107,6 +108,24 @@ size_t Presenter::State::indexOf(GLFWwindow* handle) const {
     return static_cast<size_t>(at - windows.begin());
 }
 
+void Presenter::State::followDisplays() {
+    constexpr std::chrono::milliseconds kInterval{500};
+    const auto now = std::chrono::steady_clock::now();
+    if (followed == monitors() && now - followedAt < kInterval) return;
+    const std::vector<Display> connected = displays();
+    const auto isSpare = [&](const Display& display) {
+        return std::ranges::none_of(windows,
+                                    [&](const Window& w) { return w.options.display == display.name; });
+    };
+    const auto spare = std::ranges::find_if(connected, isSpare);
+    for (Window& window : windows) {
+        checkDisplayServer();
+        window.place(connected, spare == connected.end() ? nullptr : &*spare);
+    }
+    followed = monitors();
+    followedAt = now;
+}
+
 Presenter::Presenter(gpu::Device& device, const std::vector<WindowOptions>& windows) {
     openWindowSystem();
     state_ = std::make_unique<State>(device);
@@ -117,6 +136,7 @@ Presenter::Presenter(gpu::Device& device, const std::vector<WindowOptions>& wind
         glfwSetKeyCallback(handle, onKey);
         glfwSetWindowRefreshCallback(handle, onRefresh);
     }
+    state_->followDisplays();
 }
 Presenter::Presenter(Presenter&&) noexcept = default;
 Presenter& Presenter::operator=(Presenter&&) noexcept = default;
@@ -137,7 +157,19 @@ const std::string& Presenter::reason(size_t window) const {
 }
 
 const std::string& Presenter::notice(size_t window) const {
-    return state_->windows[window].notice;
+    static const std::string none;
+    const std::optional<Placement>& placement = state_->windows[window].placement;
+    return placement ? placement->notice() : none;
+}
+
+bool Presenter::displayMissing(size_t window) const {
+    const std::optional<Placement>& placement = state_->windows[window].placement;
+    return placement && placement->missing();
+}
+
+std::optional<Display> Presenter::covers(size_t window) const {
+    if (state(window) != WindowState::open) return std::nullopt;
+    return state_->windows[window].placement->covers();
 }
 
 bool Presenter::damaged(size_t i) const {
@@ -156,6 +188,7 @@ std::vector<Event> Presenter::pollEvents(double waitSeconds) {
         glfwPollEvents();
     checkDisplayServer();
     for (Window& window : state_->windows) window.update();
+    state_->followDisplays();
     return std::exchange(state_->events, {});
 }
 

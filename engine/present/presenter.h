@@ -26,15 +26,20 @@ gpu::DeviceOptions withWindows(gpu::DeviceOptions options);
 struct Display {
     std::string name;                        // as a rig's `display` may name it
     int x = 0, y = 0, width = 0, height = 0; // on the desktop, pixels
+    bool operator==(const Display&) const = default;
 };
 // The connected ones; the first is the primary one.
 std::vector<Display> displays();
+// How much of the desktop both show.
+long sharedPixels(const Display& a, const Display& b);
 
 struct WindowOptions {
     std::string title = "heliodon";
     int width = 1024, height = 768; // of the picture, pixels; of the window unless it fills a display
-    std::string display;            // fills this display while it is connected; empty: an ordinary window
-    std::optional<std::array<int, 2>> position; // of the window's top left corner; none: the system's choice
+    std::string display; // fills this display while it is connected; empty: an ordinary window
+    // Of the window's top left corner on the desktop; of one that is to fill a display, on the one that it is
+    // shown on while that is missing. None: the system's choice.
+    std::optional<std::array<int, 2>> position;
     bool waitForRefresh = true;                 // false: as fast as the machine goes, may tear
     // Takes a format without sRGB even where there is one, as on displays that have no other.
     bool codeBefore = false;
@@ -42,7 +47,7 @@ struct WindowOptions {
 
 enum class WindowState {
     open,
-    hidden, // minimised: nothing is shown until it comes back
+    hidden, // minimised, or no display is left for it: nothing is shown until it comes back
     closed  // by the user, or its display went away; for good
 };
 
@@ -60,8 +65,9 @@ constexpr const char* kDisplayLost = "its display went away";
 
 class Presenter {
 public:
-    // Throws gpu::Error when the device cannot present to a window or has no 8-bit format for it. A display
-    // that is not connected gives a window and a notice.
+    // Throws gpu::Error when the device cannot present to a window or has no 8-bit format for it. A window
+    // whose display is not connected is shown as an ordinary one on a display that none is to fill, is hidden
+    // where there is none, and has a notice. Displays may come and go, change their size and be moved.
     Presenter(gpu::Device& device, const std::vector<WindowOptions>& windows);
     Presenter(Presenter&&) noexcept;
     Presenter& operator=(Presenter&&) noexcept;
@@ -71,8 +77,13 @@ public:
     WindowState state(size_t window) const;
     // Why a window was closed, for the report; empty while it is open. kDisplayLost: nobody wanted it.
     const std::string& reason(size_t window) const;
-    // What is not as it was wanted, now: names the display that is missing and those that are connected.
+    // What is not as it was wanted, now: names the display that is missing and those that are connected, or
+    // the one that the window manager does not let it fill.
     const std::string& notice(size_t window) const;
+    bool displayMissing(size_t window) const;
+    // What of the desktop it covers, as of half a second ago; the name is that of the display that it fills.
+    // None while it is not open.
+    std::optional<Display> covers(size_t window) const;
     // It has lost what it showed, or never showed anything: it wants a picture though there is no new one.
     bool damaged(size_t window) const;
     bool fullScreen(size_t window) const;

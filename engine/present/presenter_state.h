@@ -2,10 +2,13 @@
 #pragma once
 
 #include <array>
+#include <chrono>
 #include <deque>
 #include <vector>
 
 #include "engine/present/window.h"
+
+struct GLFWmonitor;
 
 namespace heliodon::present {
 
@@ -14,9 +17,14 @@ struct Presenter::State {
     ~State();
     size_t indexOf(GLFWwindow* handle) const;
     void destroySemaphores();
+    // Windows keep to their displays: at once when one comes or goes, else about every half second, as asking
+    // takes the server some time.
+    void followDisplays();
 
     gpu::Device* device;
     std::deque<Window> windows; // each stays where it is
+    std::vector<GLFWmonitor*> followed;
+    std::chrono::steady_clock::time_point followedAt{};
     std::vector<Event> events;  // since the last pollEvents
     // Signalled when a frame's images are written. A ring: the presentation that waits for one has ended long
     // before its turn comes again, as no swapchain has that many images.

@@ -7,7 +7,6 @@
 #include <vector>
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include "compute/gpu/commands.h"
 #include "compute/gpu/device.h"
@@ -20,38 +19,6 @@
 namespace heliodon::present {
 
 namespace {
-
-std::vector<GLFWmonitor*> monitors() {
-    int count = 0;
-    GLFWmonitor** list = glfwGetMonitors(&count);
-    return {list, list + count};
-}
-
-GLFWmonitor* monitorNamed(const std::string& name) {
-    const std::vector<GLFWmonitor*> all = monitors();
-    const auto found =
-        std::find_if(all.begin(), all.end(), [&](GLFWmonitor* m) { return name == glfwGetMonitorName(m); });
-    return found == all.end() ? nullptr : *found;
-}
-
-// The display that most of a window lies on.
-GLFWmonitor* monitorUnder(GLFWwindow* window) {
-    int x = 0, y = 0, width = 0, height = 0;
-    glfwGetWindowPos(window, &x, &y);
-    glfwGetWindowSize(window, &width, &height);
-    GLFWmonitor* best = glfwGetPrimaryMonitor();
-    int most = 0;
-    for (GLFWmonitor* monitor : monitors()) {
-        const GLFWvidmode* mode = glfwGetVideoMode(monitor);
-        if (!mode) continue;
-        int left = 0, top = 0;
-        glfwGetMonitorPos(monitor, &left, &top);
-        const int across = std::min(x + width, left + mode->width) - std::max(x, left),
-                  down = std::min(y + height, top + mode->height) - std::max(y, top);
-        if (across > 0 && down > 0 && across * down > most) most = across * down, best = monitor;
-    }
-    return best;
-}
 
 bool isSrgb(VkFormat format) {
     return format == VK_FORMAT_B8G8R8A8_SRGB || format == VK_FORMAT_R8G8B8A8_SRGB;
@@ -112,22 +79,10 @@ void copySame(VkCommandBuffer commands, VkImage from, VkImage to, VkExtent2D ext
 
 } // namespace
 
-std::vector<Display> displays() {
-    openWindowSystem();
-    std::vector<Display> list;
-    for (GLFWmonitor* monitor : monitors()) {
-        Display display{glfwGetMonitorName(monitor)};
-        glfwGetMonitorPos(monitor, &display.x, &display.y);
-        if (const GLFWvidmode* mode = glfwGetVideoMode(monitor))
-            display.width = mode->width, display.height = mode->height;
-        list.push_back(display);
-    }
-    return list;
-}
-
 Window::Window(gpu::Device& d, const WindowOptions& o) : device(&d), options(o) {
     glfwDefaultWindowHints();
     glfwWindowHint(GLFW_CLIENT_API, GLFW_NO_API);
+    glfwWindowHint(GLFW_VISIBLE, GLFW_FALSE);
     glfwWindowHint(GLFW_AUTO_ICONIFY, GLFW_FALSE); // a projector keeps its picture while others are used
     glfwWindowHint(GLFW_FOCUS_ON_SHOW, options.display.empty() ? GLFW_TRUE : GLFW_FALSE);
     handle = glfwCreateWindow(options.width, options.height, options.title.c_str(), nullptr, nullptr);
@@ -137,8 +92,7 @@ Window::Window(gpu::Device& d, const WindowOptions& o) : device(&d), options(o) 
         throw std::runtime_error(
             fmt::format("window '{}' cannot be opened: {}", options.title, why ? why : ""));
     }
-    if (options.position) glfwSetWindowPos(handle, (*options.position)[0], (*options.position)[1]);
-    followDisplay();
+    placement.emplace(handle, this->options);
     try {
         openSurface();
     } catch (...) {
@@ -175,36 +129,17 @@ void Window::close(const std::string& why) {
     swapchain.reset();
     if (handle && !displayServerLost()) glfwDestroyWindow(handle);
     handle = nullptr;
-    notice.clear();
+    placement.reset();
     if (reason.empty()) reason = why;
 }
 
-// A display that comes back is filled again; GLFW makes a window of it when it goes.
-void Window::followDisplay() {
-    if (options.display.empty()) return;
-    const bool connected = monitorNamed(options.display) != nullptr;
-    if (connected && !onDisplay_) setFullScreen(true);
-    onDisplay_ = connected;
-    std::vector<std::string> names;
-    if (!connected)
-        for (const Display& display : displays()) names.push_back(display.name);
-    notice = connected ? ""
-                       : fmt::format("display '{}' is not connected (connected: {}): shown in a window",
-                                     options.display, fmt::join(names, ", "));
+void Window::place(const std::vector<Display>& connected, const Display* spare) {
+    if (handle && placement->follow(connected, spare)) damaged = true;
 }
 
 void Window::setFullScreen(bool full) {
     if (!handle) return;
-    GLFWmonitor* named = options.display.empty() ? nullptr : monitorNamed(options.display);
-    GLFWmonitor* monitor = named ? named : monitorUnder(handle);
-    const GLFWvidmode* mode = full && monitor ? glfwGetVideoMode(monitor) : nullptr;
-    int left = 0, top = 0;
-    if (monitor) glfwGetMonitorPos(monitor, &left, &top);
-    if (mode)
-        glfwSetWindowMonitor(handle, monitor, 0, 0, mode->width, mode->height, mode->refreshRate);
-    else
-        glfwSetWindowMonitor(handle, nullptr, left + 60, top + 60, options.width, options.height,
-                             GLFW_DONT_CARE);
+    placement->setFullScreen(full);
     damaged = true;
 }
 
@@ -222,7 +157,7 @@ std::optional<VkExtent2D> Window::askSize() const {
 }
 
 bool Window::hidden() const {
-    const bool hidden = handle && glfwGetWindowAttrib(handle, GLFW_ICONIFIED);
+    const bool hidden = handle && (placement->away() || glfwGetWindowAttrib(handle, GLFW_ICONIFIED));
     checkDisplayServer();
     return hidden;
 }
@@ -294,7 +229,6 @@ void Window::update() {
         close("closed by another program");
         return;
     }
-    followDisplay();
     if (!areSame(*size, asked_)) swapchain->markStale();
     if (!swapchain->ready()) damaged = true;
 }

@@ -8,6 +8,7 @@
 
 #include "compute/gpu/buffer.h"
 #include "compute/gpu/image.h"
+#include "engine/present/placement.h"
 #include "engine/present/presenter.h"
 #include "engine/present/swapchain.h"
 
@@ -21,7 +22,7 @@ namespace heliodon::present {
 
 class Window {
 public:
-    // Opens it: full-screen where the display that it names is connected, else as an ordinary window.
+    // Opens it, hidden until it is placed.
     Window(gpu::Device& device, const WindowOptions& options);
     Window(const Window&) = delete; // listeners know its address
     Window& operator=(const Window&) = delete;
@@ -32,8 +33,9 @@ public:
     std::optional<uint32_t> acquire();
     // What came of showing it. True when it is shown.
     bool presented(VkResult result);
-    // Closes it when the user wants that; follows its size and its display, as they are now.
+    // Closes it when the user wants that; follows its size.
     void update();
+    void place(const std::vector<Display>& connected, const Display* spare); // see Placement::follow
     void setFullScreen(bool full);
     bool fullScreen() const;
     bool hidden() const;
@@ -49,7 +51,7 @@ public:
     GLFWwindow* handle = nullptr;
     std::unique_ptr<Swapchain> swapchain;
     std::string reason;                // why it was closed
-    std::string notice;                // what is not as it was wanted
+    std::optional<Placement> placement; // while it is open
     std::function<void()> beforeClose; // of whoever listens to the handle
     bool damaged = true;               // shows nothing, or not what it was last given
 
@@ -58,9 +60,7 @@ private:
     void openSurface();
     bool makeReady(); // images of the right size
     void surfaceLost();
-    void followDisplay();
 
-    bool onDisplay_ = false;
     bool surfaceLost_ = false; // since it was presented last
     // What images were asked for last, and the size at which they were made anew for fitting badly: systems
     // may give others, and go on calling them suboptimal.
