@@ -111,6 +111,7 @@ struct LiveArguments {
     MomentArguments moment;
     PictureArguments picture;
     std::string camera;
+    std::vector<std::string> displays; // "P1=HDMI-2"
     double interval = 1; // seconds, of a replay
     bool loop = false, windowed = false;
     double windowScale = 1, duration = 0; // seconds; 0: until it is closed

@@ -15,6 +15,7 @@
 #include "engine/app/live_status.h"
 #include "engine/app/output_folder.h"
 #include "engine/app/pictures.h"
+#include "engine/app/projector_displays.h"
 #include "geometry/input_error.h"
 #include "geometry/whole_file.h"
 #include "vision/camera.h"
@@ -33,7 +34,7 @@ class LiveSession {
 public:
     LiveSession(Run& run, const LiveArguments& arguments)
         : run_(run), arguments_(arguments), rigFile_(arguments.scene.rig),
-          rig_(loadRig(run, arguments.scene.rig)), source_(run, arguments.moment, sceneOfRig()),
+          rig_(rigOf(run, arguments)), source_(run, arguments.moment, sceneOfRig()),
           controls_(source_, arguments), script_(scriptOf(arguments)),
           outputs_(std::in_place, run, rig_, arguments), slots_(run),
           light_(board_, present::wakeUp, [this] { makeSceneAgain(); }),
@@ -84,6 +85,11 @@ public:
     }
 
 private:
+    static geometry::Rig rigOf(Run& run, const LiveArguments& arguments) {
+        geometry::Rig rig = loadRig(run, arguments.scene.rig);
+        assignDisplays(rig, arguments.displays);
+        return rig;
+    }
     Scene sceneOfRig() const {
         Scene scene;
         scene.rig = rig_;

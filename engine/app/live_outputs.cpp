@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "engine/app/display_notice.h"
+#include "engine/app/projector_displays.h"
 #include "engine/app/test_pictures.h"
 #include "engine/passes/image_file.h"
 #include "geometry/input_error.h"
@@ -53,13 +53,17 @@ present::WindowOptions operatorWindow(const geometry::Rig& rig, bool windowed) {
 // Of projectors that the rig gives no display, or one that has another's picture over it.
 void warnOfDisplays(Run& run, const geometry::Rig& rig, const std::string& file) {
     const auto& all = rig.projectors;
+    std::vector<std::string> names;
+    for (const present::Display& display : present::displays()) names.push_back(display.name);
     for (size_t i = 0; i < all.size(); ++i) {
         const std::string& name = all[i].display;
         const auto first =
             std::find_if(all.begin(), all.end(), [&](const auto& p) { return p.display == name; });
         std::string wrong;
         if (name.empty())
-            wrong = fmt::format("names no display: '{}' is shown in a window", all[i].id);
+            wrong = fmt::format("names no display (connected: {}; or say --display {}=OUTPUT): it is shown in "
+                                "a window",
+                                fmt::join(names, ", "), all[i].id);
         else if (first != all.begin() + static_cast<ptrdiff_t>(i))
             wrong = fmt::format("'{}' is also of '{}': only one of the two is seen", name, first->id);
         if (!wrong.empty()) run.warn(fmt::format("{}: projectors[{}].display: {}", file, i, wrong));

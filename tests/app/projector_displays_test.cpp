@@ -1,6 +1,8 @@
-#include "engine/app/display_notice.h"
+#include "engine/app/projector_displays.h"
 
 #include <gtest/gtest.h>
+
+#include "geometry/input_error.h"
 
 namespace heliodon::test {
 namespace {
@@ -17,7 +19,7 @@ geometry::Rig twoProjectors() {
     return rig;
 }
 
-TEST(DisplayNotice, says_what_spoils_a_picture_once) {
+TEST(ProjectorDisplays, have_said_what_spoils_a_picture_once) {
     const geometry::Rig rig = twoProjectors();
     const Display left{"A", 0, 0, 1024, 768}, right{"B", 1024, 0, 1024, 768}, operators{"", 2048, 0, 800, 600};
     std::vector<std::optional<Display>> covered{left, right, operators};
@@ -36,6 +38,16 @@ TEST(DisplayNotice, says_what_spoils_a_picture_once) {
     EXPECT_EQ(app::displayNotice(rig, 1, covered), "");
     covered[1].reset(); // hidden
     EXPECT_EQ(app::displayNotice(rig, 1, covered), "");
+}
+
+TEST(ProjectorDisplays, are_those_of_the_command_line) {
+    geometry::Rig rig = twoProjectors();
+    rig.projectors[0].display = "A";
+    app::assignDisplays(rig, {"P1=DP-1.2", "P1=B=C"});
+    EXPECT_EQ(rig.projectors[0].display, "A");
+    EXPECT_EQ(rig.projectors[1].display, "B=C");
+    for (const char* wrong : {"P2=A", "P1=", "P1", "=A", ""})
+        EXPECT_THROW(app::assignDisplays(rig, {wrong}), geometry::InputError) << wrong;
 }
 
 } // namespace

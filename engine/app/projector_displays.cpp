@@ -1,8 +1,27 @@
-#include "engine/app/display_notice.h"
+#include "engine/app/projector_displays.h"
+
+#include <algorithm>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "geometry/input_error.h"
 
 namespace heliodon::app {
+
+void assignDisplays(geometry::Rig& rig, const std::vector<std::string>& choices) {
+    for (const std::string& choice : choices) {
+        const size_t sign = choice.find('=');
+        const auto at = std::ranges::find(rig.projectors, choice.substr(0, sign), &geometry::Projector::id);
+        if (sign == std::string::npos || sign + 1 == choice.size() || at == rig.projectors.end()) {
+            std::vector<std::string> names;
+            for (const geometry::Projector& projector : rig.projectors) names.push_back(projector.id);
+            throw geometry::InputError("--display", choice,
+                                       fmt::format("expected PROJECTOR=OUTPUT, of {}", fmt::join(names, ", ")));
+        }
+        at->display = choice.substr(sign + 1);
+    }
+}
 
 std::string displayNotice(const geometry::Rig& rig, size_t projector,
                           const std::vector<std::optional<present::Display>>& covered) {
