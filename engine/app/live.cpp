@@ -46,7 +46,7 @@ public:
     }
 
     void show() {
-        while (!ended_) {
+        while (ended_.empty()) {
             throwIfInterrupted();
             board_.rethrow();
             try {
@@ -58,14 +58,20 @@ public:
         if (!arguments_.snapshots.empty()) snapshot(kLastSnapshot);
     }
 
+    void end(const std::string& why) {
+        if (ended_.empty()) ended_ = why;
+    }
+
     void report() {
         say();
         if (step_ < script_.size())
-            run_.warn(fmt::format("{}: ended with {} of its {} steps not done", arguments_.script.string(),
-                                  script_.size() - step_, script_.size()));
+            run_.warn(fmt::format("{}: ended with {} of its {} steps not done{}", arguments_.script.string(),
+                                  script_.size() - step_, script_.size(),
+                                  ended_.empty() ? "" : ": " + ended_));
         const LiveStatus status = board_.read();
         nlohmann::json& report = run_.report();
         report["live"] = reportOf(status, figures_);
+        report["live"]["ended"] = ended_;
         report["live"]["seconds"] = secondsSince(started_);
         report["live"]["moments_solved"] = light_.solved();
         report["live"]["moments_repeated"] = light_.repeated();
@@ -133,9 +139,10 @@ private:
         const bool events = listen(dirty_ || hurried || scriptReady() ? 0 : 0.02);
         if (!outputs_->wanted()) {
             outputs_->refuseLoss();
-            ended_ = true;
+            end(outputs_->whyNotWanted());
         }
-        if (arguments_.duration > 0 && secondsSince(started_) > arguments_.duration) ended_ = true;
+        if (arguments_.duration > 0 && secondsSince(started_) > arguments_.duration)
+            end("--duration is over");
         runScript();
         take();
         draw(events);
@@ -168,7 +175,7 @@ private:
 
     void handle(const present::Event& event) {
         const LiveControls::Effect effect = controls_.handle(event);
-        if (effect == LiveControls::Effect::quit) ended_ = true;
+        if (effect == LiveControls::Effect::quit) end("a key was pressed that quits");
         if (effect == LiveControls::Effect::fullScreen) outputs_->toggleFullScreen(event.window);
     }
 
@@ -264,7 +271,7 @@ private:
             present::OperatorActions actions;
             outputs_->drawOperator(controls_.values, status(), actions);
             operatorDrawn_ = LiveClock::now();
-            if (actions.quit) ended_ = true;
+            if (actions.quit) end("quit was chosen in the operator's window");
             for (size_t output : actions.toggleFullScreen) outputs_->toggleFullScreen(output);
         }
         outputs_->present(projectors, operatorNow);
@@ -348,7 +355,7 @@ private:
             outputs_->resize(resize->window, resize->width, resize->height);
         if (const auto* close = std::get_if<CloseStep>(&step)) outputs_->close(close->window);
         if (const auto* shot = std::get_if<SnapshotStep>(&step)) snapshot(shot->name);
-        if (std::holds_alternative<QuitStep>(step)) ended_ = true;
+        if (std::holds_alternative<QuitStep>(step)) end("its script quits");
         ++step_; // a picture that the device failed to take is taken again
     }
 
@@ -368,7 +375,7 @@ private:
     std::vector<ScriptStep> script_;
     size_t step_ = 0;
     LiveClock::time_point started_ = LiveClock::now(), operatorDrawn_{}, sleepUntil_{};
-    bool ended_ = false;
+    std::string ended_;  // why; empty: it goes on
     bool dirty_ = true;  // what the projectors show is not what it should be
     bool fresh_ = false; // there is light that no output shows yet
     std::optional<LitScene> lit_;
@@ -394,6 +401,7 @@ void execute(Run& run, const LiveArguments& arguments) {
     try {
         session.show();
     } catch (const Interrupted&) { // the usual end of a program that has none of its own
+        session.end("a signal told it to end");
     } catch (...) {
         session.report();
         throw;

@@ -136,6 +136,15 @@ bool LiveOutputs::wanted() const {
            presenter_->state(operatorIndex()) != present::WindowState::closed;
 }
 
+std::string LiveOutputs::whyNotWanted() const {
+    if (presenter_->state(operatorIndex()) == present::WindowState::closed)
+        return fmt::format("{} is {}", windowName(operatorIndex()), presenter_->reason(operatorIndex()));
+    std::vector<std::string> each;
+    for (size_t i = 0; i < operatorIndex(); ++i)
+        each.push_back(fmt::format("{} is {}", windowName(i), presenter_->reason(i)));
+    return fmt::format("{}", fmt::join(each, ", "));
+}
+
 void LiveOutputs::refuseLoss() const {
     if (endedByLoss_)
         throw std::runtime_error("windows that are needed were closed: their displays went away");

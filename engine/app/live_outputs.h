@@ -28,6 +28,7 @@ public:
     std::vector<present::Event> pollEvents(double waitSeconds);
     // The operator's window is open, and one of a projector.
     bool wanted() const;
+    std::string whyNotWanted() const; // which windows were closed, and by whom
     // Throws where that is not so because a display went away, the last of those needed.
     void refuseLoss() const;
     // Some window wants its picture again.

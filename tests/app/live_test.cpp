@@ -264,6 +264,7 @@ TEST_F(Live, ends_cleanly_with_ctrl_c_and_with_its_windows) {
     EXPECT_EQ(WEXITSTATUS(status), 0);
     report = json::parse(readText(folder / "report.json"));
     EXPECT_EQ(report["live"]["sketches"], 1);
+    EXPECT_EQ(report["live"]["ended"], "a signal told it to end");
     EXPECT_NE(report["table"]["warnings"].dump().find("'P1' reaches no wall"), std::string::npos)
         << report["table"];
     // Said where nobody looks at the windows, too; and that the rig is not the one that is shown by.
@@ -278,6 +279,9 @@ TEST_F(Live, ends_cleanly_with_ctrl_c_and_with_its_windows) {
              "close 3\n");
     EXPECT_EQ(closed.exitCode, 0) << closed.output;
     EXPECT_EQ(report["live"]["wheel_to_light"]["count"], 1); // the last window went on
+    EXPECT_NE(report["live"]["ended"].get<std::string>().find("P3's window is closed by the program"),
+              std::string::npos)
+        << report["live"]["ended"];
     for (const char* name :
          {"-projector-1", "-projector-2", "-projector-3"}) // they took over what the first had shown
         EXPECT_GT(difference(shot("all" + std::string(name)), shot("rest" + std::string(name))).second,
@@ -286,7 +290,9 @@ TEST_F(Live, ends_cleanly_with_ctrl_c_and_with_its_windows) {
     EXPECT_EQ(report["warnings"].size(), 0u) << report["warnings"];
     const Outcome early = live("file:" + kPhoto, "close 4\nwait\nquit\n"); // the operator's
     EXPECT_EQ(early.exitCode, 0) << early.output;
-    EXPECT_NE(early.output.find("ended with 2 of its 3 steps not done"), std::string::npos) << early.output;
+    EXPECT_NE(early.output.find("ended with 2 of its 3 steps not done: the operator's window is closed by"),
+              std::string::npos)
+        << early.output;
 }
 
 TEST_F(Live, closed_windows_leave_other_scatter_and_a_lost_display_server_ends_with_a_report) {
