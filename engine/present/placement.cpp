@@ -32,9 +32,15 @@ Placement::Placement(GLFWwindow* window, const WindowOptions& options)
 bool Placement::follow(const std::vector<Display>& connected, const Display* spare) {
     const bool sameDesktop = std::exchange(connected_, connected) == connected;
     covers_ = partCoveredBy(window_);
-    if (options_.display.empty() && (sameDesktop || home_.name.empty())) { // its user may have moved it
-        if (const Display* under = findUnder(connected, covers_); under && !missing_) home_ = *under;
-        if (away_ && !missing_) show();
+    if (options_.display.empty() && !missing_ && (sameDesktop || home_.name.empty())) {
+        if (const Display* under = findUnder(connected, covers_)) { // its user may have moved it
+            home_ = *under;
+        } else if (home_.name.empty() && !connected.empty()) { // it was asked for where nobody would see it
+            home_ = spare ? *spare : connected.front();
+            openWithin(home_, options_.width, options_.height);
+            covers_ = partCoveredBy(window_);
+        }
+        if (away_ && !home_.name.empty()) show();
     }
     if (sameDesktop && !full_ && !missing_) offsetX_ = covers_.x - home_.x, offsetY_ = covers_.y - home_.y;
     const Display* own = findNamed(connected, home_.name);
@@ -82,14 +88,9 @@ bool Placement::retreat(const std::vector<Display>& connected, const Display* sp
     glfwSetWindowMonitor(window_, nullptr, 0, 0, options_.width, options_.height, GLFW_DONT_CARE);
     glfwHideWindow(window_);
     away_ = true;
-    if (spare && attempts_++ < kAttempts) {
-        // Beside others, and no pixel of it on the next display.
-        const int width = std::min(options_.width, spare->width / 2),
-                  height = std::min(options_.height, spare->height / 2);
-        const auto [x, y] = options_.position.value_or(std::array<int, 2>{});
-        open(spare->x + std::clamp(x, 0, spare->width - width),
-             spare->y + std::clamp(y, 0, spare->height - height), width, height);
-    }
+    if (spare && attempts_++ < kAttempts)
+        openWithin(*spare, spare->width / 2, spare->height / 2); // beside others
+    if (home_.name.empty()) return true; // an ordinary window of a desktop that had no display at the start
     std::vector<std::string> names;
     for (const Display& display : connected) names.push_back(display.name);
     notice_ = fmt::format("display '{}' is not connected (connected: {}): {}", home_.name,
@@ -114,6 +115,14 @@ void Placement::open(int x, int y, int width, int height) {
     glfwSetWindowMonitor(window_, nullptr, x, y, width, height, GLFW_DONT_CARE);
     if (away_) glfwSetWindowPos(window_, x, y); // says that it is the user's wish, unlike the call before
     show();
+}
+
+void Placement::openWithin(const Display& display, int width, int height) {
+    width = std::min({width, options_.width, display.width});
+    height = std::min({height, options_.height, display.height});
+    const auto [x, y] = options_.position.value_or(std::array<int, 2>{});
+    open(display.x + std::clamp(x, 0, display.width - width),
+         display.y + std::clamp(y, 0, display.height - height), width, height);
 }
 
 void Placement::show() {

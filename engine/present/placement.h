@@ -34,6 +34,8 @@ private:
     bool retreat(const std::vector<Display>& connected, const Display* spare);
     void fill(const Display& display);
     void open(int x, int y, int width, int height); // as an ordinary window, there
+    // The same where options say, but no pixel of it outside.
+    void openWithin(const Display& display, int width, int height);
     void show();
 
     GLFWwindow* window_;

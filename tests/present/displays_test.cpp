@@ -160,6 +160,18 @@ TEST_F(Displays, one_that_goes_leaves_the_others_and_is_filled_again) {
     EXPECT_EQ(presenter.state(4), WindowState::open);
 }
 
+TEST_F(Displays, a_window_that_is_asked_for_outside_of_all_is_seen) {
+    std::vector<WindowOptions> one{{"outside", 300, 200}};
+    one[0].position = {50, 700}; // DUMMY0 ends above
+    Presenter presenter(*device, one);
+    EXPECT_EQ(presenter.state(0), WindowState::open);
+    EXPECT_EQ(presenter.notice(0), "");
+    EXPECT_FALSE(presenter.displayMissing(0));
+    const auto covered = presenter.covers(0);
+    ASSERT_TRUE(covered);
+    EXPECT_GT(sharedPixels(*covered, {"DUMMY0", 0, 0, 800, 600}), 50'000);
+}
+
 TEST_F(Displays, all_may_go_and_come_back_in_another_order) {
     Presenter presenter(*device, windows());
     EXPECT_TRUE(becomes(presenter, eachShowsItsOwn));
