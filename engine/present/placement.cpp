@@ -44,9 +44,8 @@ bool Placement::follow(const std::vector<Display>& connected, const Display* spa
     }
     if (sameDesktop && !full_ && !missing_) offsetX_ = covers_.x - home_.x, offsetY_ = covers_.y - home_.y;
     const Display* own = findNamed(connected, home_.name);
-    const bool moved = own ? stayOn(*own) : retreat(connected, spare);
-    if (moved) covers_ = partCoveredBy(window_);
-    return moved;
+    settled_ = !(own ? stayOn(*own) : retreat(connected, spare));
+    return !settled_;
 }
 
 bool Placement::stayOn(const Display& own) {

@@ -2,6 +2,7 @@
 // moved. Internal to engine/present.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -27,7 +28,8 @@ public:
     bool away() const { return away_; } // hidden
     bool missing() const { return missing_; } // its display
     const std::string& notice() const { return notice_; }
-    const Display& covers() const { return covers_; } // when follow() was called last
+    // When follow() was called last; none where it had to move the window, which takes managers some time.
+    std::optional<Display> covers() const { return settled_ ? std::optional(covers_) : std::nullopt; }
 
 private:
     bool stayOn(const Display& own);
@@ -43,6 +45,7 @@ private:
     std::vector<Display> connected_; // when follow() was called last
     Display home_;                   // as it was then
     Display covers_;
+    bool settled_ = false;
     int offsetX_ = 0, offsetY_ = 0; // of an ordinary window from its display's corner
     bool full_ = false;             // wanted
     bool missing_ = false, away_ = true;

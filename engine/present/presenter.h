@@ -82,7 +82,7 @@ public:
     const std::string& notice(size_t window) const;
     bool displayMissing(size_t window) const;
     // What of the desktop it covers, as of half a second ago; the name is that of the display that it fills.
-    // None while it is not open.
+    // None while it is not open, or on its way.
     std::optional<Display> covers(size_t window) const;
     // It has lost what it showed, or never showed anything: it wants a picture though there is no new one.
     bool damaged(size_t window) const;
