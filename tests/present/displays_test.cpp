@@ -2,6 +2,8 @@
 // change and are moved. Needs Xorg's dummy driver; skipped where that cannot be started. With a window manager.
 #include <dlfcn.h>
 
+#include <algorithm>
+#include <array>
 #include <functional>
 #include <memory>
 #include <string>
@@ -103,6 +105,10 @@ protected:
         for (int i = 0; i < 100; ++i) {
             presenter.pollEvents(0.05);
             presenter.present({&images[2], &images[0], &images[3], &images[1], &images[0]});
+            for (size_t window = 0; window < 4; ++window)
+                if (const auto covered = presenter.covers(window); covered && !covered->name.empty())
+                    EXPECT_TRUE(std::ranges::count(kSizes, std::array{covered->width, covered->height}))
+                        << covered->width << " pixels: on its way to " << covered->name;
             if (so()) return true;
         }
         return false;
