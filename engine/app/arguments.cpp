@@ -403,8 +403,9 @@ private:
             "--camera", live_.camera,
             "aravis:ID (vendor and serial number, or address; no ID: the first found), replay:FOLDER "
             "(its pictures by name), file:PHOTO (read again when it changes) (default aravis:)");
-        sub->add_option("--display", live_.displays,
-                        "PROJECTOR=OUTPUT, in place of what the rig says; again for each (xrandr lists outputs)")
+        sub->add_option(
+               "--display", live_.displays,
+               "PROJECTOR=OUTPUT, in place of what the rig says; again for each (xrandr lists outputs)")
             ->expected(1)
             ->take_all();
         sub->add_flag("--windowed", live_.windowed,

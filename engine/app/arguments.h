@@ -112,7 +112,7 @@ struct LiveArguments {
     PictureArguments picture;
     std::string camera;
     std::vector<std::string> displays; // "P1=HDMI-2"
-    double interval = 1; // seconds, of a replay
+    double interval = 1;               // seconds, of a replay
     bool loop = false, windowed = false;
     double windowScale = 1, duration = 0; // seconds; 0: until it is closed
     std::filesystem::path script, snapshots;

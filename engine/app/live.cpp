@@ -33,10 +33,9 @@ constexpr const char* kLastSnapshot = "end";
 class LiveSession {
 public:
     LiveSession(Run& run, const LiveArguments& arguments)
-        : run_(run), arguments_(arguments), rigFile_(arguments.scene.rig),
-          rig_(rigOf(run, arguments)), source_(run, arguments.moment, sceneOfRig()),
-          controls_(source_, arguments), script_(scriptOf(arguments)),
-          outputs_(std::in_place, run, rig_, arguments), slots_(run),
+        : run_(run), arguments_(arguments), rigFile_(arguments.scene.rig), rig_(rigOf(run, arguments)),
+          source_(run, arguments.moment, sceneOfRig()), controls_(source_, arguments),
+          script_(scriptOf(arguments)), outputs_(std::in_place, run, rig_, arguments), slots_(run),
           light_(board_, present::wakeUp, [this] { makeSceneAgain(); }),
           maker_(arguments.scene, rig_, slots_, board_, tables_,
                  [this](SceneChange change) { light_.change(std::move(change)); }),

@@ -61,9 +61,10 @@ void warnOfDisplays(Run& run, const geometry::Rig& rig, const std::string& file)
             std::find_if(all.begin(), all.end(), [&](const auto& p) { return p.display == name; });
         std::string wrong;
         if (name.empty())
-            wrong = fmt::format("names no display (connected: {}; or say --display {}=OUTPUT): it is shown in "
-                                "a window",
-                                fmt::join(names, ", "), all[i].id);
+            wrong =
+                fmt::format("names no display (connected: {}; or say --display {}=OUTPUT): it is shown in "
+                            "a window",
+                            fmt::join(names, ", "), all[i].id);
         else if (first != all.begin() + static_cast<ptrdiff_t>(i))
             wrong = fmt::format("'{}' is also of '{}': only one of the two is seen", name, first->id);
         if (!wrong.empty()) run.warn(fmt::format("{}: projectors[{}].display: {}", file, i, wrong));
@@ -273,7 +274,8 @@ void LiveOutputs::drawOperator(present::OperatorControls& controls, present::Ope
                        : missing_[i]       ? "no " + projector.display
                                            : "window";
         status.outputs.push_back(std::move(output));
-        if (!notices_[i].empty()) status.warnings.push_back(fmt::format("{}: {}", windowName(i), notices_[i]));
+        if (!notices_[i].empty())
+            status.warnings.push_back(fmt::format("{}: {}", windowName(i), notices_[i]));
     }
     operatorPicture_ = operator_->draw(controls, status, actions);
 }
@@ -313,7 +315,7 @@ std::string LiveOutputs::inWords() const {
         list.push_back(presenter_->fullScreen(i)
                            ? fmt::format("{} on display {}", projector.id, projector.display)
                        : presenter_->state(i) == present::WindowState::open ? projector.id + " in a window"
-                                                                           : projector.id + " nowhere");
+                                                                            : projector.id + " nowhere");
     }
     return fmt::format("{}; operator's window '{}'", fmt::join(list, ", "), kOperatorTitle);
 }

@@ -95,8 +95,8 @@ private:
     gpu::Image camera_;
     std::shared_ptr<const vision::Photograph> cameraShown_;
     std::chrono::steady_clock::time_point cameraSent_{};
-    std::vector<std::string> notices_; // per window
-    std::vector<char> missing_;        // its display, per window
+    std::vector<std::string> notices_;  // per window
+    std::vector<char> missing_;         // its display, per window
     std::vector<char> saidLost_;        // per window, too
     bool endedByLoss_ = false;          // the loss noticed last left no window that is needed
     std::vector<size_t> displayLosses_; // per window: how often its display was missing

@@ -16,8 +16,8 @@ void assignDisplays(geometry::Rig& rig, const std::vector<std::string>& choices)
         if (sign == std::string::npos || sign + 1 == choice.size() || at == rig.projectors.end()) {
             std::vector<std::string> names;
             for (const geometry::Projector& projector : rig.projectors) names.push_back(projector.id);
-            throw geometry::InputError("--display", choice,
-                                       fmt::format("expected PROJECTOR=OUTPUT, of {}", fmt::join(names, ", ")));
+            throw geometry::InputError(
+                "--display", choice, fmt::format("expected PROJECTOR=OUTPUT, of {}", fmt::join(names, ", ")));
         }
         at->display = choice.substr(sign + 1);
     }
@@ -33,15 +33,18 @@ std::string displayNotice(const geometry::Rig& rig, size_t projector,
                            "stretched, expected a display that is set to the projector's size",
                            own->name, own->width, own->height, p.id, p.width, p.height);
     for (size_t other = 0; other < covered.size(); ++other) {
-        if (other == projector || !covered[other] || present::sharedPixels(*covered[other], *own) == 0) continue;
+        if (other == projector || !covered[other] || present::sharedPixels(*covered[other], *own) == 0)
+            continue;
         if (other == rig.projectors.size())
-            return fmt::format("the operator's window lies on display '{}', over the picture of '{}': drag it "
-                               "to another, or connect one more",
-                               own->name, p.id);
+            return fmt::format(
+                "the operator's window lies on display '{}', over the picture of '{}': drag it "
+                "to another, or connect one more",
+                own->name, p.id);
         if (covered[other]->name.empty() || other > projector) continue; // said of the later one
-        return fmt::format("displays '{}' and '{}' show the same part of the desktop, so of '{}' and '{}' only "
-                           "one is seen: expected displays beside each other",
-                           own->name, covered[other]->name, p.id, rig.projectors[other].id);
+        return fmt::format(
+            "displays '{}' and '{}' show the same part of the desktop, so of '{}' and '{}' only "
+            "one is seen: expected displays beside each other",
+            own->name, covered[other]->name, p.id, rig.projectors[other].id);
     }
     return "";
 }

@@ -25,7 +25,7 @@ public:
     // On the display that it names, else the one that it lies on.
     void setFullScreen(bool full);
 
-    bool away() const { return away_; } // hidden
+    bool away() const { return away_; }       // hidden
     bool missing() const { return missing_; } // its display
     const std::string& notice() const { return notice_; }
     // When follow() was called last; none where it had to move the window, which takes managers some time.

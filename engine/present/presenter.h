@@ -36,11 +36,11 @@ long sharedPixels(const Display& a, const Display& b);
 struct WindowOptions {
     std::string title = "heliodon";
     int width = 1024, height = 768; // of the picture, pixels; of the window unless it fills a display
-    std::string display; // fills this display while it is connected; empty: an ordinary window
+    std::string display;            // fills this display while it is connected; empty: an ordinary window
     // Of the window's top left corner on the desktop; of one that is to fill a display, on the one that it is
     // shown on while that is missing. None: the system's choice.
     std::optional<std::array<int, 2>> position;
-    bool waitForRefresh = true;                 // false: as fast as the machine goes, may tear
+    bool waitForRefresh = true; // false: as fast as the machine goes, may tear
     // Takes a format without sRGB even where there is one, as on displays that have no other.
     bool codeBefore = false;
 };

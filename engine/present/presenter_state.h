@@ -25,7 +25,7 @@ struct Presenter::State {
     std::deque<Window> windows; // each stays where it is
     std::vector<GLFWmonitor*> followed;
     std::chrono::steady_clock::time_point followedAt{};
-    std::vector<Event> events;  // since the last pollEvents
+    std::vector<Event> events; // since the last pollEvents
     // Signalled when a frame's images are written. A ring: the presentation that waits for one has ended long
     // before its turn comes again, as no swapchain has that many images.
     std::array<VkSemaphore, 16> written{};

@@ -50,10 +50,10 @@ public:
     WindowOptions options;
     GLFWwindow* handle = nullptr;
     std::unique_ptr<Swapchain> swapchain;
-    std::string reason;                // why it was closed
+    std::string reason;                 // why it was closed
     std::optional<Placement> placement; // while it is open
-    std::function<void()> beforeClose; // of whoever listens to the handle
-    bool damaged = true;               // shows nothing, or not what it was last given
+    std::function<void()> beforeClose;  // of whoever listens to the handle
+    bool damaged = true;                // shows nothing, or not what it was last given
 
 private:
     std::optional<VkExtent2D> askSize() const; // none of one that another program has destroyed

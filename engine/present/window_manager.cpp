@@ -65,9 +65,15 @@ void askToFill(GLFWwindow* window, const Display& display) {
     if (number < 0) return;
     constexpr int kClientMessage = 33;
     constexpr long kToManagers = (1L << 19) | (1L << 20); // SubstructureNotifyMask, SubstructureRedirectMask
-    Message message{kClientMessage, 0, 1, connection, windowOf(window),
-                    atom(connection, "_NET_WM_FULLSCREEN_MONITORS", 0), 32,
-                    {number, number, number, number, 1 /* an application asks */}, {}};
+    Message message{kClientMessage,
+                    0,
+                    1,
+                    connection,
+                    windowOf(window),
+                    atom(connection, "_NET_WM_FULLSCREEN_MONITORS", 0),
+                    32,
+                    {number, number, number, number, 1 /* an application asks */},
+                    {}};
     send(connection, root(connection), 0, kToManagers, &message);
 }
 

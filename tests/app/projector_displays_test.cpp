@@ -21,7 +21,8 @@ geometry::Rig twoProjectors() {
 
 TEST(ProjectorDisplays, have_said_what_spoils_a_picture_once) {
     const geometry::Rig rig = twoProjectors();
-    const Display left{"A", 0, 0, 1024, 768}, right{"B", 1024, 0, 1024, 768}, operators{"", 2048, 0, 800, 600};
+    const Display left{"A", 0, 0, 1024, 768}, right{"B", 1024, 0, 1024, 768},
+        operators{"", 2048, 0, 800, 600};
     std::vector<std::optional<Display>> covered{left, right, operators};
     for (size_t i = 0; i < 2; ++i) EXPECT_EQ(app::displayNotice(rig, i, covered), "");
     covered[2]->x = 2047; // a pixel of B

@@ -1,5 +1,6 @@
 // Pictures on displays of their own, by what the display server shows where, while displays go, come back,
-// change and are moved. Needs Xorg's dummy driver; skipped where that cannot be started. With a window manager.
+// change and are moved. Needs Xorg's dummy driver; skipped where that cannot be started. With a window
+// manager.
 #include <dlfcn.h>
 
 #include <algorithm>
@@ -47,10 +48,9 @@ passes::Image8 seenOn(const Display& display) {
     void* const client = xlib<void*(const char*)>("XOpenDisplay")(nullptr);
     const auto root = xlib<unsigned long(void*)>("XDefaultRootWindow")(client);
     constexpr int kZPixmap = 2;
-    void* const image =
-        xlib<void*(void*, unsigned long, int, int, unsigned, unsigned, unsigned long, int)>("XGetImage")(
-            client, root, display.x, display.y, static_cast<unsigned>(display.width),
-            static_cast<unsigned>(display.height), ~0ul, kZPixmap);
+    void* const image = xlib<void*(void*, unsigned long, int, int, unsigned, unsigned, unsigned long, int)>(
+        "XGetImage")(client, root, display.x, display.y, static_cast<unsigned>(display.width),
+                     static_cast<unsigned>(display.height), ~0ul, kZPixmap);
     const auto pixel = xlib<unsigned long(void*, int, int)>("XGetPixel");
     passes::Image8 seen{display.width, display.height, {}};
     for (int y = 0; y < display.height; ++y)
@@ -94,8 +94,8 @@ protected:
     static std::vector<WindowOptions> windows() {
         std::vector<WindowOptions> list;
         for (const size_t i : {2u, 0u, 3u, 1u})
-            list.push_back({fmt::format("picture {}", i), kSizes[i][0], kSizes[i][1],
-                            fmt::format("DUMMY{}", i + 1)});
+            list.push_back(
+                {fmt::format("picture {}", i), kSizes[i][0], kSizes[i][1], fmt::format("DUMMY{}", i + 1)});
         list.push_back({"operator", 300, 200});
         list.back().position = {20, 20};
         return list;
@@ -105,10 +105,12 @@ protected:
         for (int i = 0; i < 100; ++i) {
             presenter.pollEvents(0.05);
             presenter.present({&images[2], &images[0], &images[3], &images[1], &images[0]});
-            for (size_t window = 0; window < 4; ++window)
-                if (const auto covered = presenter.covers(window); covered && !covered->name.empty())
-                    EXPECT_TRUE(std::ranges::count(kSizes, std::array{covered->width, covered->height}))
-                        << covered->width << " pixels: on its way to " << covered->name;
+            for (size_t window = 0; window < 4; ++window) {
+                const auto covered = presenter.covers(window);
+                if (!covered || covered->name.empty()) continue;
+                EXPECT_TRUE(std::ranges::count(kSizes, std::array{covered->width, covered->height}))
+                    << covered->width << " pixels: on its way to " << covered->name;
+            }
             if (so()) return true;
         }
         return false;
@@ -185,9 +187,10 @@ TEST_F(Displays, all_may_go_and_come_back_in_another_order) {
                                 "DUMMY4 --off --output DUMMY0 --off"));
     EXPECT_TRUE(becomes(presenter, [&] { return presenter.displayMissing(3); }));
     for (size_t i = 0; i < 5; ++i) EXPECT_EQ(presenter.state(i), WindowState::hidden);
-    ASSERT_TRUE(server->arrange("--output DUMMY4 --mode 640x360 --pos 0x0 --output DUMMY3 --mode 640x400 --pos "
-                                "640x0 --output DUMMY2 --mode 800x600 --pos 1280x0 --output DUMMY1 --mode "
-                                "640x480 --pos 2080x0 --output DUMMY0 --mode 800x600 --pos 2720x0"));
+    ASSERT_TRUE(
+        server->arrange("--output DUMMY4 --mode 640x360 --pos 0x0 --output DUMMY3 --mode 640x400 --pos "
+                        "640x0 --output DUMMY2 --mode 800x600 --pos 1280x0 --output DUMMY1 --mode "
+                        "640x480 --pos 2080x0 --output DUMMY0 --mode 800x600 --pos 2720x0"));
     EXPECT_TRUE(becomes(presenter, eachShowsItsOwn));
 }
 

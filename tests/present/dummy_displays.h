@@ -85,8 +85,8 @@ EndSection
         return "Xorg with the driver dummy cannot be started here: " + last;
     }
 
-    // What `xrandr` is told; asked again, it notices what is connected. Of outputs other than the first, modes
-    // are to be added once.
+    // What `xrandr` is told; asked again, it notices what is connected. Of outputs other than the first,
+    // modes are to be added once.
     bool arrange(const std::string& options) { return run("xrandr " + options + "; xrandr > /dev/null"); }
     bool addMode(const std::string& output, const std::string& mode) {
         return run("xrandr --addmode " + output + " " + mode);
