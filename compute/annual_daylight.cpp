@@ -165,6 +165,8 @@ void AnnualDaylight::addSun(const SunHours::Block& block, const TransportParts& 
         for (const SunHours::Lit& lit : block.hours[k].patches) responses.add(lit.row, lit.lux, row);
         for (const SunHours::Lit& lit : block.hours[k].bounced)
             responses.add(rows.smooth + lit.row, lit.lux, row);
+        for (const SunHours::Lit& lit : block.hours[k].outside)
+            responses.add(rows.outside + lit.row, lit.lux, row);
         addBlinds(block.hours[k], parts, responses, row);
     });
 }

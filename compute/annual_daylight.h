@@ -32,8 +32,8 @@ namespace heliodon::compute {
 
 struct YearReport {
     size_t hours = 0, lit = 0; // lit: with sky or ground
-    size_t withSun = 0;        // hours whose sun enters
-    size_t sunOutside = 0;     // sun in the sky, but on no opening from outside
+    size_t withSun = 0;        // hours whose sun enters, or lights what stands outside
+    size_t sunOutside = 0;     // sun in the sky, but on neither
     size_t sunless = 0;        // lit, no sun
     size_t solved = 0;         // one by one in full: skies with a ribbon at the horizon
     double skySeconds = 0, sunSeconds = 0, sensorSeconds = 0, productSeconds = 0, checkSeconds = 0,

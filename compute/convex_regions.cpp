@@ -421,7 +421,9 @@ std::vector<ConvexRegion> outsideRegions(const geometry::PatchMesh& mesh, uint32
     for (size_t t = 0; t < mesh.outside.triangles.size(); t += 3)
         outer.addPatch(std::span(mesh.outside.triangles).subspan(t, 3), 0, geometry::Role::extra, 0,
                        geometry::kNoRoom);
-    return mergedRegions(outer, std::vector<uint32_t>(outer.patchCount(), 0), maxCorners);
+    std::vector<uint32_t> material = mesh.outside.material;
+    material.resize(outer.patchCount(), 0);
+    return mergedRegions(outer, material, maxCorners);
 }
 
 std::vector<ConvexRegion> mergedRegions(const geometry::PatchMesh& mesh, std::span<const uint32_t> group,

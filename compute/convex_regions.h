@@ -45,7 +45,7 @@ struct BlockingPlanes {
 BlockingPlanes blockingPlanes(const geometry::PatchMesh& mesh, uint32_t maxCorners);
 std::vector<ConvexRegion> blockingRegions(const geometry::PatchMesh& mesh, uint32_t maxCorners);
 
-// Of PatchMesh::outside: in no room, at most `maxCorners` corners each.
+// Of PatchMesh::outside: in no room, at most `maxCorners` corners each; group: material, 0 where it has none.
 std::vector<ConvexRegion> outsideRegions(const geometry::PatchMesh& mesh, uint32_t maxCorners);
 
 // Every patch whose group is not kNoGroup, merged with those of its plane, room and group.

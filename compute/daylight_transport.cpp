@@ -351,6 +351,8 @@ void DaylightTransport::setMaterials(const std::vector<geometry::Material>& mate
         glassChanged |= before.transmittance != now.transmittance ||
                         before.refractiveIndex != now.refractiveIndex || before.blind != now.blind;
     }
+    for (const uint32_t material : state_->mesh.outside.material) // decides cells and channels
+        glassChanged |= state_->mesh.materials[material].reflectance != materials[material].reflectance;
     state_->mesh.materials = materials;
     if (glassChanged) {
         state_->findOpenings();
@@ -416,7 +418,10 @@ TransportParts DaylightTransport::parts() {
             state.outside->blinds(),
             state.outside->hiddenSky(),
             state.outside->slats(),
-            state.sensors.slats};
+            state.sensors.slats,
+            state.outside->reflection(),
+            state.outside->patchSky().walls,
+            state.sensors.walls};
 }
 
 const geometry::PatchMesh& DaylightTransport::mesh() const {

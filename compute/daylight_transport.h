@@ -2,7 +2,8 @@
 // when time, weather or north change, solves again when light or materials do.
 //   change              what is done again
 //   geometry            a new object: everything
-//   glass               sky coefficients (setMaterials)
+//   glass, what stands  sky coefficients (setMaterials)
+//   outside
 //   reflectance, Ke     solve only (setMaterials)
 //   time, weather       combine coefficients, sun on patches, solve (light)
 // Sky coefficients are fixed to world axes: north is in the sky's directions, so turning it costs no more
@@ -25,6 +26,7 @@
 #include "compute/glowing_blinds.h"
 #include "compute/hidden_sky.h"
 #include "compute/lighting.h"
+#include "compute/outside_reflection.h"
 #include "compute/radiosity.h"
 #include "compute/sensor_gather.h"
 #include "compute/slat_lobes.h"
@@ -82,7 +84,7 @@ struct Moment {
     // told.
     double solverError = 0;
     std::vector<float> exitanceErrors;
-    double laterShare = 0; // of light by way of the room: what the mesh leaves on it
+    double laterShare = 0;         // of light by way of the room: what the mesh leaves on it
     std::vector<float> meshErrors; // the same of patches' exitance by itself, photometric
     // Per patch: by how much what it sends far of the sun's first bounce differs from its exitance, for where
     // on it the light lies (SunBounce).
@@ -129,6 +131,8 @@ struct TransportParts {
     const HiddenSky& hiddenSky; // to be taken off what those scatter
     const SlatLobes& slats;
     std::span<const std::array<std::vector<float>, 3>> sensorSlats;
+    const OutsideReflection& reflection; // its cells, as patches (none without cells) and sensors see them
+    std::span<const std::vector<OutsideShare>> patchWalls, sensorWalls;
 };
 
 class DaylightTransport {
@@ -165,9 +169,9 @@ public:
     // get their light anew (makeNearLight).
     std::vector<Moment> light(std::span<const daylight::Sky> skies);
 
-    // light() answers in part from what it found before, and so gives the same bits only after the same calls;
-    // from here on, those that a new object gives. Cost: the next few moments take some ten passes over F
-    // again.
+    // light() answers in part from what it found before, and so gives the same bits only after the same
+    // calls; from here on, those that a new object gives. Cost: the next few moments take some ten passes
+    // over F again.
     void forgetLights();
 
     // The sensors of now in a moment of this sky that was made for others: as the call of light() that

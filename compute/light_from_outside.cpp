@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <numbers>
 
+#include <fmt/format.h>
 #include <glm/geometric.hpp>
 
 #include "compute/daylight/horizon_ribbon.h"
@@ -16,6 +17,15 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 constexpr double kRibbonError = 0.003; // of what a ribbon at the horizon gives straight
+// Of what is reflected from outside: what cells and the building's own black walls leave
+// (docs/accuracy.md).
+constexpr float kReflectedError = 0.05F;
+
+glm::vec3 received(std::span<const OutsideShare> shares, std::span<const glm::vec3> exitance) {
+    glm::vec3 lux(0);
+    for (const OutsideShare& share : shares) lux += share.weight * exitance[share.cell];
+    return lux;
+}
 
 } // namespace
 
@@ -23,7 +33,8 @@ LightFromOutside::LightFromOutside(const PointScene& points, const NearPairs& pa
                                    std::span<const float> rowSums, const gpu::Buffer& factors,
                                    const daylight::SkyPatches& sky, const TransportOptions& options)
     : points_(points), mesh_(points.mesh()), sky_(sky), skipNothing_(options.skipNothing), sunScene_(mesh_),
-      blinds_(mesh_), slats_(points, blinds_, factors), hiddenSky_(mesh_, sunScene_, blinds_, sky) {
+      blinds_(mesh_), slats_(points, blinds_, factors), hiddenSky_(mesh_, sunScene_, blinds_, sky),
+      reflection_(points, sky) {
     for (size_t i = 0; i < mesh_.patchCount(); ++i)
         hasOpenings_ |= mesh_.twin[i] == geometry::kNoTwin && mesh_.materials[mesh_.material[i]].isOpening();
     if (hasOpenings_) sunBounce_ = std::make_unique<SunBounce>(points, pairs, rowSums);
@@ -36,6 +47,7 @@ LightFromOutside::LightFromOutside(const PointScene& points, const NearPairs& pa
     skyElements_ = static_cast<uint32_t>(sky.elementCount());
     for (const geometry::Material& m : mesh_.materials)
         if (!geometry::isGrey(m.transmittance)) skyChannels_ = 3;
+    if (!reflection_.isGrey()) skyChannels_ = 3;
     patchSky_ = patchSkyCoefficients(points, sky, skyChannels_);
     skySeconds_ = clock.seconds();
 }
@@ -68,6 +80,7 @@ Moment LightFromOutside::light(const daylight::Sky& sky, const SensorGather& sen
     else
         sunOn(moment, sky.sun, sensors);
     moment.report.sunSeconds = sunning.seconds();
+    reflect(moment, sky, sensors);
 
     std::vector<glm::vec3> byLobes(n, glm::vec3(0));
     slats_.light(moment.lobes, byLobes);
@@ -78,6 +91,7 @@ Moment LightFromOutside::light(const daylight::Sky& sky, const SensorGather& sen
 void LightFromOutside::lightSensors(Moment& moment, const daylight::Sky& sky,
                                     const SensorGather& sensors) const {
     if (isLitBySky(sky)) skyAtSensors(moment, daylight::withoutRibbon(sky), ribbonOf(sky), sensors);
+    if (!reflection_.isEmpty()) reflectAtSensors(moment, outsideExitance(sky), sensors);
     if (glm::length(moment.lighting.sunDirection) == 0) return;
     const SunPatches sun(sunScene_, sky.sun.direction, skipNothing_);
     std::vector<SunlitParts> partly;
@@ -196,6 +210,53 @@ void LightFromOutside::hideSky(Moment& moment, std::span<const double> luminance
         for (size_t node = 0; node < hidden.size(); ++node)
             moment.lobes[p.slats * hidden.size() + node] -= glm::vec3(hidden[node]);
     });
+}
+
+// Of the cells of what stands outside.
+std::vector<glm::vec3> LightFromOutside::outsideExitance(const daylight::Sky& sky) const {
+    std::vector<glm::vec3> straight(reflection_.cells().size(), glm::vec3(0));
+    const std::vector<float> bySky = reflection_.skyLight(sky_.luminances(sky));
+    for (size_t c = 0; c < straight.size(); ++c) straight[c] = glm::vec3(bySky[c]);
+    if (sky.hasSun()) {
+        const std::vector<glm::vec3> sun =
+            reflection_.sunlight(SunPatches(sunScene_, sky.sun.direction, true));
+        for (size_t c = 0; c < straight.size(); ++c)
+            straight[c] += static_cast<float>(sky.sun.normalIlluminance) * sun[c];
+    }
+    return reflection_.exitance(straight);
+}
+
+void LightFromOutside::reflect(Moment& moment, const daylight::Sky& sky, const SensorGather& sensors) const {
+    if (reflection_.isEmpty()) {
+        if (!mesh_.outside.triangles.empty())
+            moment.report.skipped.emplace_back("what stands outside: black, reflects nothing");
+        return;
+    }
+    if (sky.isDark()) {
+        moment.report.skipped.emplace_back("what stands outside: dark");
+        return;
+    }
+    moment.report.modelled.push_back(
+        fmt::format("what stands outside: reflected light of {} cells", reflection_.cells().size()));
+    const std::vector<glm::vec3> exitance = outsideExitance(sky);
+    for (size_t i = 0; i < patchSky_.walls.size(); ++i) {
+        const glm::vec3 lux = received(patchSky_.walls[i], exitance);
+        moment.patches[i].ground += lux;
+        moment.patches[i].error += kReflectedError * static_cast<float>(photometric(lux));
+    }
+    reflectAtSensors(moment, exitance, sensors);
+}
+
+void LightFromOutside::reflectAtSensors(Moment& moment, std::span<const glm::vec3> exitance,
+                                        const SensorGather& sensors) {
+    for (size_t s = 0; s < moment.sensors.size(); ++s) {
+        const glm::vec3 straight = received(sensors.walls[s], exitance),
+                        byWalls = received(sensors.near[s].walls, exitance);
+        LightParts& parts = moment.sensors[s];
+        parts.ground += straight;
+        parts.interreflected += byWalls;
+        parts.error += kReflectedError * static_cast<float>(photometric(straight + byWalls));
+    }
 }
 
 void LightFromOutside::sunOn(Moment& moment, const daylight::SunDisc& disc,

@@ -18,6 +18,7 @@
 #include "compute/gpu/buffer.h"
 #include "compute/hidden_sky.h"
 #include "compute/near_pairs.h"
+#include "compute/outside_reflection.h"
 #include "compute/point_scene.h"
 #include "compute/ribbon_light.h"
 #include "compute/sensor_gather.h"
@@ -57,6 +58,9 @@ public:
     const GlowingBlinds& blinds() const { return blinds_; }
     const SlatLobes& slats() const { return slats_; }
     const HiddenSky& hiddenSky() const { return hiddenSky_; }
+    const OutsideReflection& reflection() const {
+        return reflection_;
+    } // its cells are those of patchSky().walls
 
 private:
     bool isLitBySky(const daylight::Sky& sky) const;
@@ -68,6 +72,10 @@ private:
     void addRibbon(Moment& moment, const RibbonLight& ribbon) const;
     template<class Light> void glow(Moment& moment, const Light& light) const;
     void hideSky(Moment& moment, std::span<const double> luminances) const;
+    std::vector<glm::vec3> outsideExitance(const daylight::Sky& sky) const;
+    void reflect(Moment& moment, const daylight::Sky& sky, const SensorGather& sensors) const;
+    static void reflectAtSensors(Moment& moment, std::span<const glm::vec3> exitance,
+                                 const SensorGather& sensors);
     void sunOn(Moment& moment, const daylight::SunDisc& disc, const SensorGather& sensors) const;
     void sunAtSensors(Moment& moment, const SunPatches& sun, std::span<const SunlitParts> partly,
                       const SensorGather& sensors) const;
@@ -83,6 +91,7 @@ private:
     GlowingBlinds blinds_;
     SlatLobes slats_;
     HiddenSky hiddenSky_; // before blinds
+    OutsideReflection reflection_;
     PatchSky patchSky_;
     uint32_t skyElements_ = 0, skyChannels_ = 1;
     double skySeconds_ = 0;

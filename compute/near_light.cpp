@@ -123,7 +123,8 @@ std::vector<dvec3> answersOf(const PointScene& scene, const std::vector<Cell>& c
 size_t NearLight::bytes() const {
     size_t floats = 0;
     for (int c = 0; c < 3; ++c) floats += smooth[c].size() + even[c].size() + slats[c].size();
-    return floats * sizeof(float) + sky.size() * sizeof(SkySample) + cells.size() * sizeof(Cell);
+    return floats * sizeof(float) + sky.size() * sizeof(SkySample) + walls.size() * sizeof(OutsideShare) +
+           cells.size() * sizeof(Cell);
 }
 
 bool hasNearWall(const PointScene& scene, const NearWalls& walls, dvec3 position,
@@ -189,11 +190,14 @@ NearLight nearLight(const PointScene& scene, const PatchSlopes& slopes, const Sl
                     static_cast<float>(answer[axis] * glm::dot(away, dvec3(term.weight)));
         }
         slats.see(views[p], room, glm::vec3(reflected), {result.slats, channels});
-        const size_t first = result.sky.size();
-        scene.seeSky(views[p], room, kSkyAngle, result.sky);
+        const size_t first = result.sky.size(), firstWall = result.walls.size();
+        scene.seeSky(views[p], room, kSkyAngle, result.sky, &result.walls);
         for (size_t k = first; k < result.sky.size(); ++k) result.sky[k].weight *= glm::vec3(reflected);
+        for (size_t k = firstWall; k < result.walls.size(); ++k)
+            result.walls[k].weight *= glm::vec3(reflected);
         result.cells.push_back({cell.middle, scene.patches()[cell.patch].normal, glm::vec3(reflected)});
     }
+    mergeShares(result.walls);
     result.own = glm::vec3(own);
     return result;
 }

@@ -25,10 +25,11 @@ struct NearLight {
     // Per channel and patch, to be added to the sensor's rows: light that runs on smoothly (all but the sun's
     // first bounce), and the sun's first bounce, taken for even across its patch.
     std::vector<float> smooth[3], even[3];
-    std::vector<SkySample> sky;  // by way of the cells
-    std::vector<float> slats[3]; // per channel and row of SlatLobes, by way of the cells
-    glm::vec3 own{0};            // of what the cells emit themselves, lux
-    std::vector<Cell> cells;     // where it matters where in a patch the sun shines (sunEdgesOnCells)
+    std::vector<SkySample> sky;      // by way of the cells
+    std::vector<OutsideShare> walls; // that stand outside, by way of the cells
+    std::vector<float> slats[3];     // per channel and row of SlatLobes, by way of the cells
+    glm::vec3 own{0};                // of what the cells emit themselves, lux
+    std::vector<Cell> cells;         // where it matters where in a patch the sun shines (sunEdgesOnCells)
 
     bool isEmpty() const { return cells.empty(); }
     size_t bytes() const;

@@ -144,15 +144,16 @@ PointScene::PointScene(const geometry::PatchMesh& mesh) : mesh_(&mesh), blockers
         const dvec3 normal = normalOf(region);
         panes_.push_back({std::move(region), &windows_[material], normal, room});
     }
-    findOpenings(mergedRegions(mesh, opening, 16), mergedRegions(mesh, wall, 16), outsideRegions(mesh, 16));
+    std::vector<ConvexRegion> openings = mergedRegions(mesh, opening, 16);
+    outside_ = OutsideCells(mesh, outsideRegions(mesh, 16), openings);
+    findOpenings(std::move(openings), mergedRegions(mesh, wall, 16));
 }
 
-void PointScene::findOpenings(std::vector<ConvexRegion> openings, const std::vector<ConvexRegion>& walls,
-                              const std::vector<ConvexRegion>& outside) {
+void PointScene::findOpenings(std::vector<ConvexRegion> openings, const std::vector<ConvexRegion>& walls) {
     const double samePlane = kSamePlane * geometry::boundsOf(mesh_->vertices).diagonal();
     for (ConvexRegion& region : openings) {
         const dvec3 normal = normalOf(region);
-        openings_.push_back({std::move(region), normal, {}, {}});
+        openings_.push_back({std::move(region), normal, {}, {}, {}});
     }
     const auto outsideOf = [&](const Opening& opening, std::span<const dvec3> corners) {
         PointView::Polygon part;
@@ -162,9 +163,14 @@ void PointScene::findOpenings(std::vector<ConvexRegion> openings, const std::vec
     for (Opening& from : openings_) {
         for (const ConvexRegion& wall : walls)
             if (auto part = outsideOf(from, wall.corners); !part.empty()) from.hiddenBy.push_back(part);
-        const std::vector<const ConvexRegion*> seen = seenFrom(from.region, outside, samePlane);
-        for (const ConvexRegion* wall : seen)
-            if (auto part = outsideOf(from, wall->corners); !part.empty()) from.hiddenBy.push_back(part);
+        const std::vector<const ConvexRegion*> seen = seenFrom(from.region, outside_.regions(), samePlane);
+        for (const ConvexRegion* wall : seen) {
+            auto part = outsideOf(from, wall->corners);
+            if (part.empty()) continue;
+            from.hiddenBy.push_back(part);
+            const auto region = static_cast<size_t>(wall - outside_.regions().data());
+            if (outside_.reflects(region)) from.walls.push_back({region, std::move(part)});
+        }
         for (uint32_t k = 0; k < openings_.size(); ++k) {
             const Opening& to = openings_[k];
             auto part = &to == &from ? PointView::Polygon{} : outsideOf(from, to.region.corners);
@@ -307,12 +313,15 @@ Blockers PointScene::blockersOfSky(uint32_t patch) const {
     return blockers_.between(ends);
 }
 
-void PointScene::forOutside(const PointView& view, uint32_t room, const OutsideWork& work) const {
-    forRoomsSeen(view, {room, {}},
-                 [&](const PointView& seen, const RoomBeyond& beyond) { outsideOf(seen, beyond, work); });
+void PointScene::forOutside(const PointView& view, uint32_t room, const OutsideWork& work,
+                            const OutsideWallWork& byWall) const {
+    forRoomsSeen(view, {room, {}}, [&](const PointView& seen, const RoomBeyond& beyond) {
+        outsideOf(seen, beyond, work, byWall);
+    });
 }
 
-void PointScene::outsideOf(const PointView& view, const RoomBeyond& beyond, const OutsideWork& work) const {
+void PointScene::outsideOf(const PointView& view, const RoomBeyond& beyond, const OutsideWork& work,
+                           const OutsideWallWork& byWall) const {
     std::vector<PointView::Polygon> parts;
     for (const Opening& opening : openings_) {
         const daylight::Window& pane = window(opening);
@@ -327,7 +336,19 @@ void PointScene::outsideOf(const PointView& view, const RoomBeyond& beyond, cons
         view.hideBeyond(hiding, parts);
         const glm::dvec3 t = pane.glazing().transmissivity;
         const bool grey = t.x == t.y && t.y == t.z && !pane.glazing().isHole() && !pane.hasBlind();
-        for (const PointView::Polygon& part : parts) work(part, {&pane, opening.normal, &beyond, grey});
+        const GlassBefore glass{&pane, opening.normal, &beyond, grey};
+        for (const PointView::Polygon& part : parts) work(part, glass);
+        if (!byWall) continue;
+        for (const auto& [region, wall] : opening.walls) {
+            const ConvexRegion& whole = outside_.regions()[region];
+            if (glm::dot(view.position() - whole.corners[0], normalOf(whole)) <= blockers_.tolerance())
+                continue;
+            for (const PointView& frame : framed) {
+                if (!frame.mayShow(wall) || frame.factor(wall, parts) <= 0) continue;
+                view.hideBehind(hiding, parts);
+                for (const PointView::Polygon& part : parts) byWall(part, region, glass);
+            }
+        }
     }
 }
 
@@ -347,10 +368,23 @@ bool PointScene::mayShowLow(dvec3 position, dvec3 normal, uint32_t room, double 
     });
 }
 
-void PointScene::seeSky(const PointView& view, uint32_t room, double angle,
-                        std::vector<SkySample>& samples) const {
+void PointScene::seeWall(const PointView& view, const PointView::Polygon& part, size_t region,
+                         const GlassBefore& glass, double angle, std::vector<OutsideShare>& walls) const {
+    const size_t first = walls.size();
+    double weights = 0;
+    forCells(part, view.normal(), angle, [&](dvec3 centre, double weight) {
+        walls.push_back({outside_.cellAt(region, view.position() + centre),
+                         glm::vec3(weight * glass.transmittance(glm::normalize(centre)))});
+        weights += weight;
+    });
+    const auto scale = static_cast<float>(scaleOfCells(view.unhinderedFactor(part), weights) / kPi);
+    for (size_t k = first; k < walls.size(); ++k) walls[k].weight *= scale;
+}
+
+void PointScene::seeSky(const PointView& view, uint32_t room, double angle, std::vector<SkySample>& samples,
+                        std::vector<OutsideShare>* walls) const {
     PointView::Polygon halves[2];
-    forOutside(view, room, [&](const PointView::Polygon& part, const GlassBefore& glass) {
+    const auto sky = [&](const PointView::Polygon& part, const GlassBefore& glass) {
         splitAtHorizon(part, halves[0], halves[1]);
         for (size_t half = 0; half < 2; ++half) {
             if (halves[half].size() < 3) continue;
@@ -368,7 +402,12 @@ void PointScene::seeSky(const PointView& view, uint32_t room, double angle,
                 if (half == 1) samples[k].direction.y = std::min(samples[k].direction.y, 0.0f);
             }
         }
-    });
+    };
+    const auto wall = [&](const PointView::Polygon& part, size_t region, const GlassBefore& glass) {
+        seeWall(view, part, region, glass, angle, *walls);
+    };
+    const bool seesWalls = walls && !outside_.cells().empty();
+    forOutside(view, room, sky, seesWalls ? OutsideWallWork(wall) : OutsideWallWork());
 }
 
 } // namespace heliodon::compute

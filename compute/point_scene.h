@@ -10,6 +10,7 @@
 #include <glm/vec3.hpp>
 
 #include "compute/daylight/window.h"
+#include "compute/outside_cells.h"
 #include "compute/patch_slopes.h"
 #include "compute/point_view.h"
 #include "geometry/patch_mesh.h"
@@ -83,16 +84,22 @@ public:
 
         glm::dvec3 transmittance(glm::dvec3 direction) const; // unit, from the point
     };
-    // work(part, glass) for what a point in the air of `room` sees of the outside, in convex parts relative
-    // to the point; through panes too.
+    // work(part, glass) for what a point in the air of `room` sees of sky and ground, in convex parts
+    // relative to the point; through panes too. byWall(part, region, glass) for what it sees of regions of
+    // outside() that reflect light.
     using OutsideWork = std::function<void(const PointView::Polygon&, const GlassBefore&)>;
-    void forOutside(const PointView& view, uint32_t room, const OutsideWork& work) const;
+    using OutsideWallWork = std::function<void(const PointView::Polygon&, size_t region, const GlassBefore&)>;
+    void forOutside(const PointView& view, uint32_t room, const OutsideWork& work,
+                    const OutsideWallWork& byWall = {}) const;
+    const OutsideCells& outside() const { return outside_; }
     // False where no opening can show a point the sky between the horizon and `slope`, the tangent of an
     // altitude; a quick look.
     bool mayShowLow(glm::dvec3 position, glm::dvec3 normal, uint32_t room, double slope) const;
 
-    // From a point in the air of `room`, in pieces of at most `angle` radians; through panes too.
-    void seeSky(const PointView& view, uint32_t room, double angle, std::vector<SkySample>& samples) const;
+    // From a point in the air of `room`, in pieces of at most `angle` radians; through panes too. `walls`:
+    // added to by what is seen of outside(), in any order.
+    void seeSky(const PointView& view, uint32_t room, double angle, std::vector<SkySample>& samples,
+                std::vector<OutsideShare>* walls = nullptr) const;
 
     // Adds the point's form factors of patches; those seen through panes times their photometric
     // transmittance, with what their tint makes of that in `tinted`.
@@ -122,6 +129,11 @@ private:
         glm::dvec3 normal;
         std::vector<PointView::Polygon> hiddenBy; // what hides the sky, world
         std::vector<Facing> facing;
+        struct Wall {
+            size_t region; // of outside(), that reflects
+            PointView::Polygon part;
+        };
+        std::vector<Wall> walls; // among what hides the sky
     };
     struct Pane { // clear, of an interior window
         ConvexRegion region;
@@ -130,17 +142,20 @@ private:
         uint32_t roomBeyond;
     };
     const daylight::Window& window(const Opening& opening) const { return windows_[opening.region.group]; }
-    void findOpenings(std::vector<ConvexRegion> openings, const std::vector<ConvexRegion>& walls,
-                      const std::vector<ConvexRegion>& outside);
+    void findOpenings(std::vector<ConvexRegion> openings, const std::vector<ConvexRegion>& walls);
     void forRoomsSeen(const PointView& view, const RoomBeyond& here, const RoomWork& work) const;
     std::vector<PointView> framesOf(const PointView& view, std::span<const PointView::Polygon> parts) const;
     static bool anyShows(std::span<const PointView> frames, std::span<const glm::dvec3> polygon);
-    void outsideOf(const PointView& view, const RoomBeyond& beyond, const OutsideWork& work) const;
+    void outsideOf(const PointView& view, const RoomBeyond& beyond, const OutsideWork& work,
+                   const OutsideWallWork& byWall) const;
+    void seeWall(const PointView& view, const PointView::Polygon& part, size_t region,
+                 const GlassBefore& glass, double angle, std::vector<OutsideShare>& walls) const;
 
     const geometry::PatchMesh* mesh_;
     Blockers blockers_;
     std::vector<Patch> patches_;
     std::vector<Opening> openings_;
+    OutsideCells outside_;
     std::vector<Pane> panes_;
     std::vector<daylight::Window> windows_; // by material
     bool seesOthers_ = false;

@@ -247,20 +247,31 @@ bool PointView::mayHide(const Cone& cone, std::span<const dvec3> polygon) const 
                         [&](const dvec3& side) { return allBelow(polygon, side, least_); });
 }
 
-void PointView::hideBeyond(std::span<const Polygon* const> polygons, std::vector<Polygon>& parts) const {
+std::vector<PointView::Cone> PointView::conesOf(std::span<const Polygon* const> polygons) const {
     std::vector<Cone> cones;
     Polygon corners;
     for (const Polygon* polygon : polygons) {
         corners.clear();
         for (const dvec3& p : *polygon) corners.push_back(p - position_);
-        std::optional<Cone> cone = coneOf(corners);
-        if (!cone) continue;
-        cone->normal = dvec3(0), cone->distance = cone->beyond = -1; // all parts count as beyond
-        cones.push_back(std::move(*cone));
+        if (std::optional<Cone> cone = coneOf(corners)) cones.push_back(std::move(*cone));
     }
+    return cones;
+}
+
+void PointView::keepLit(std::span<const Cone> cones, std::vector<Polygon>& parts) const {
     std::vector<const Cone*> before;
     for (const Cone& cone : cones) before.push_back(&cone);
     for (Polygon& part : std::exchange(parts, {})) keepLit(std::move(part), before, 0, parts);
+}
+
+void PointView::hideBeyond(std::span<const Polygon* const> polygons, std::vector<Polygon>& parts) const {
+    std::vector<Cone> cones = conesOf(polygons);
+    for (Cone& cone : cones) cone.normal = dvec3(0), cone.distance = cone.beyond = -1; // all parts are beyond
+    keepLit(cones, parts);
+}
+
+void PointView::hideBehind(std::span<const Polygon* const> polygons, std::vector<Polygon>& parts) const {
+    keepLit(conesOf(polygons), parts);
 }
 
 // Nothing where the cone's planes only touch the part.

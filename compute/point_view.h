@@ -81,6 +81,8 @@ public:
 
     // Takes from parts what polygons (world) hide that stand beyond all of them, as outside of a window.
     void hideBeyond(std::span<const Polygon* const> polygons, std::vector<Polygon>& parts) const;
+    // The same of parts of what stands among the polygons: each hides what lies behind it.
+    void hideBehind(std::span<const Polygon* const> polygons, std::vector<Polygon>& parts) const;
 
     glm::dvec3 position() const { return position_; }
     glm::dvec3 normal() const { return normal_; }
@@ -100,6 +102,8 @@ private:
     enum class Glance { nothing, all, unclear };
     Glance glance(std::span<const glm::dvec3> polygon, Local& local) const;
     std::optional<Cone> coneOf(std::span<const glm::dvec3> corners) const; // relative; none if seen edge-on
+    std::vector<Cone> conesOf(std::span<const Polygon* const> polygons) const; // world
+    void keepLit(std::span<const Cone> cones, std::vector<Polygon>& parts) const;
     bool mayHide(const Cone& cone, std::span<const glm::dvec3> polygon) const;
     enum class Reach { nothing, some, all };
     Reach reachOf(const Cone& cone, std::span<const glm::dvec3> part) const;

@@ -51,17 +51,19 @@ dvec3 sunEdgesOnCells(const PointScene& scene, const NearLight& near, uint32_t r
 struct Seen {
     double mean, range;
 };
-// Adds to `row`, channels x elements.
+// Adds to `row`, channels x elements, and sets `walls`. What stands outside counts as no light: it is darker
+// than the sky, and its edges are the sky's.
 Seen skyFromPoints(const PointScene& scene, const Blockers& blockers, const daylight::SkyPatches& sky,
-                   const PatchViewpoints& views, std::span<float> row) {
+                   const PatchViewpoints& views, std::span<float> row, std::vector<OutsideShare>& walls) {
     const uint32_t points = views.pointsPerPatch;
     const auto scale = static_cast<float>(1 / (kPi * points));
     const size_t elements = sky.elementCount(), channels = row.size() / elements;
     double sum = 0, least = 1e300, most = 0;
     std::vector<SkySample> seen;
+    walls.clear();
     for (const Viewpoint& v : views.viewpoints) {
         seen.clear();
-        scene.seeSky(PointView(blockers, v.position, v.normal, v.room), v.room, kPatchSkyAngle, seen);
+        scene.seeSky(PointView(blockers, v.position, v.normal, v.room), v.room, kPatchSkyAngle, seen, &walls);
         double here = 0;
         for (const SkySample& sample : seen) {
             const size_t element = sky.elementOf(dvec3(sample.direction));
@@ -71,6 +73,8 @@ Seen skyFromPoints(const PointScene& scene, const Blockers& blockers, const dayl
         }
         sum += here, least = std::min(least, here), most = std::max(most, here);
     }
+    mergeShares(walls);
+    for (OutsideShare& share : walls) share.weight /= static_cast<float>(points);
     return {sum / points, most - least};
 }
 
@@ -79,8 +83,9 @@ Seen skyFromPoints(const PointScene& scene, const Blockers& blockers, const dayl
 PatchSky patchSkyCoefficients(const PointScene& scene, const daylight::SkyPatches& sky, uint32_t channels) {
     const geometry::PatchMesh& mesh = scene.mesh();
     const size_t n = mesh.patchCount(), elements = sky.elementCount();
-    PatchSky result{std::vector<float>(n * channels * elements), std::vector<float>(n, 0),
-                    std::vector<float>(n, 0)};
+    PatchSky result{
+        std::vector<float>(n * channels * elements), std::vector<float>(n, 0), std::vector<float>(n, 0), {}};
+    std::vector<std::vector<OutsideShare>> walls(n);
     std::vector<double> mean(n), range(n);
     const auto row = [&](size_t i) {
         return std::span(result.coefficients).subspan(i * channels * elements, channels * elements);
@@ -88,7 +93,7 @@ PatchSky patchSkyCoefficients(const PointScene& scene, const daylight::SkyPatche
     const auto look = [&](size_t i, uint32_t points) {
         const auto patch = static_cast<uint32_t>(i);
         return skyFromPoints(scene, scene.blockersOfSky(patch), sky, patchViewpoints(mesh, points, patch, 1),
-                             row(i));
+                             row(i), walls[i]);
     };
     inParallel(n, [&](size_t i) {
         const Seen seen = look(i, 4);
@@ -109,6 +114,7 @@ PatchSky patchSkyCoefficients(const PointScene& scene, const daylight::SkyPatche
         result.error[i] = static_cast<float>(std::min(1.0, kChangeLeft * change / mean[i]));
         result.range[i] = static_cast<float>(range[i] / mean[i]);
     });
+    if (!scene.outside().cells().empty()) result.walls = std::move(walls);
     return result;
 }
 
@@ -125,6 +131,7 @@ SensorGather gatherSensors(const PointScene& scene, const PatchSlopes& slopes, c
     gather.nearWall.assign(count, 0);
     gather.near.resize(count);
     gather.slats.resize(count);
+    gather.walls.resize(count);
     for (auto& rows : gather.slats)
         for (uint32_t c = 0; c < channels; ++c) rows[c].assign(slats.rows(), 0);
     std::vector<std::vector<SkySample>> samples(count);
@@ -135,7 +142,8 @@ SensorGather gatherSensors(const PointScene& scene, const PatchSlopes& slopes, c
         if (room == geometry::kNoRoom) return;
         const PointView view(scene.blockers(), sensors[s].position, sensors[s].normal, room);
         scene.seePatches(view, room, slopes, &gather.even[s * n], &gather.smooth[s * n], gather.tinted[s]);
-        scene.seeSky(view, room, kSensorSkyAngle, samples[s]);
+        scene.seeSky(view, room, kSensorSkyAngle, samples[s], &gather.walls[s]);
+        mergeShares(gather.walls[s]);
         slats.see(view, room, glm::vec3(1), {gather.slats[s].data(), channels});
         gather.nearWall[s] = hasNearWall(scene, nearWalls, sensors[s].position, {&gather.even[s * n], n});
     });

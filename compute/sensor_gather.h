@@ -41,6 +41,8 @@ struct PatchSky {
     std::vector<float> error; // per patch, estimate: share of its light from the sky that these points miss
     std::vector<float>
         range; // per patch, under an even sky: by how much four of them differ, as a share of it
+    // Per patch, means of the same points; in three channels. Empty where nothing outside reflects light.
+    std::vector<std::vector<OutsideShare>> walls;
 };
 PatchSky patchSkyCoefficients(const PointScene& scene, const daylight::SkyPatches& sky, uint32_t channels);
 
@@ -57,6 +59,7 @@ struct SensorGather {
     // Per sensor, in one channel for all or three: rows of SlatLobes.
     std::vector<std::array<std::vector<float>, 3>> slats;
     SkyView sky;
+    std::vector<std::vector<OutsideShare>> walls; // per sensor
 };
 SensorGather gatherSensors(const PointScene& scene, const PatchSlopes& slopes, const SlatLobes& slats,
                            const NearWalls& nearWalls, std::vector<Sensor> sensors, uint32_t channels);

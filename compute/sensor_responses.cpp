@@ -90,6 +90,7 @@ SensorResponses SensorResponder::respond(const TransportParts& parts, const Told
     addLobes(parts, smooth, result);
     addGlow(parts, result);
     hideGlow(parts, result);
+    addOutside(parts, smooth, result);
     return result;
 }
 
@@ -253,6 +254,35 @@ void SensorResponder::addGlow(const TransportParts& parts, SensorResponses& resu
                             answer * lobes[(lobe * parts.skyChannels + b) * elements + e];
                 });
     }
+}
+
+// What stands outside and is lit by the sky; what a sensor answers to any light on it.
+void SensorResponder::addOutside(const TransportParts& parts, const Smooth& smooth,
+                                 SensorResponses& result) const {
+    const size_t n = area_.size(), sensors = result.sensors, elements = parts.skyElements,
+                 cells = parts.reflection.cells().size();
+    const size_t rows = GlowRows(parts, n).outside;
+    inParallel(cells > 0 ? sensors : 0, [&](size_t s) {
+        for (size_t b = 0; b < beams_; ++b) {
+            const auto axis = static_cast<int>(b);
+            std::vector<float> answers(cells, 0);
+            for (size_t i = 0; i < n; ++i)
+                for (const OutsideShare& share : parts.patchWalls[i])
+                    answers[share.cell] += smooth[b][s * n + i] * share.weight[axis];
+            const float luminous = beams_ == 3 ? static_cast<float>(geometry::kLuminance[axis]) : 1;
+            for (const auto& own : {parts.sensorWalls[s], parts.near[s].walls})
+                for (const OutsideShare& share : own)
+                    answers[share.cell] += beams_ == 3 ? luminous * share.weight[axis]
+                                                       : static_cast<float>(photometric(share.weight));
+            parts.reflection.answer(static_cast<uint32_t>(b), answers);
+            for (size_t c = 0; c < cells; ++c) {
+                result.sun[b][(rows + c) * sensors + s] = answers[c];
+                const std::span<const float> bySky = parts.reflection.bySky(c);
+                const auto perLuminance = static_cast<float>(answers[c] / std::numbers::pi);
+                for (size_t e = 0; e < elements; ++e) result.sky[s * elements + e] += perLuminance * bySky[e];
+            }
+        }
+    });
 }
 
 // What the building hides before windows with blinds.

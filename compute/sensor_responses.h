@@ -62,6 +62,7 @@ private:
     void addLobes(const TransportParts& parts, const Smooth& smooth, SensorResponses& result) const;
     void addGlow(const TransportParts& parts, SensorResponses& result) const;
     void hideGlow(const TransportParts& parts, SensorResponses& result) const;
+    void addOutside(const TransportParts& parts, const Smooth& smooth, SensorResponses& result) const;
 
     DaylightTransport& transport_;
     size_t beams_;               // that a sensor answers to apart: 3 where panes are tinted, else 1

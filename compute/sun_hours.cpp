@@ -18,7 +18,8 @@ constexpr double kTrace = 2e-2; // of what sunlight would give all surfaces at i
 
 size_t bytesOf(const SunHours::Hour& hour) {
     return sizeof hour +
-           (hour.patches.size() + hour.bounced.size() + hour.windows.size()) * sizeof(SunHours::Lit) +
+           (hour.patches.size() + hour.bounced.size() + hour.windows.size() + hour.outside.size()) *
+               sizeof(SunHours::Lit) +
            hour.groups.size() * sizeof(SunHours::Scatter);
 }
 
@@ -26,8 +27,8 @@ size_t bytesOf(const SunHours::Hour& hour) {
 
 SunHours::SunHours(const TransportParts& parts, const geometry::PatchMesh& mesh,
                    std::span<const daylight::Sky> skies, size_t mostBytes, std::function<void(size_t)> done)
-    : mesh_(&mesh), scene_(&parts.sun), bounce_(parts.sunBounce), blinds_(&parts.blinds), skies_(skies),
-      wantedBytes_(mostBytes), done_(std::move(done)) {
+    : mesh_(&mesh), scene_(&parts.sun), bounce_(parts.sunBounce), blinds_(&parts.blinds),
+      reflection_(&parts.reflection), skies_(skies), wantedBytes_(mostBytes), done_(std::move(done)) {
     for (size_t i = 0; i < mesh.patchCount(); ++i) area_ += geometry::patchArea(mesh, i);
     for (size_t h = 0; h < skies.size() && parts.skyElements > 0; ++h)
         if (skies[h].hasSun()) sunny_.push_back(static_cast<uint32_t>(h));
@@ -68,9 +69,15 @@ void SunHours::makeFirst(const std::function<void(const Block&)>& work) {
 
 SunHours::Made SunHours::hourOf(uint32_t at) const {
     const daylight::SunDisc& disc = skies_[at].sun;
-    const SunPatches sun(*scene_, disc.direction);
-    Made made{sun.canEnter(), {at, {}, {}, {}, {}}, {}};
-    if (!made.enters) return made;
+    const SunPatches sun(*scene_, disc.direction, !reflection_->isEmpty());
+    Made made{sun.canEnter(), {at, {}, {}, {}, {}, {}}, {}};
+    const std::vector<glm::vec3> outside = reflection_->sunlight(sun);
+    for (size_t c = 0; c < outside.size(); ++c)
+        if (outside[c] != glm::vec3(0))
+            made.hour.outside.push_back(
+                {static_cast<uint32_t>(c), static_cast<float>(disc.normalIlluminance) * outside[c]});
+    made.enters |= !made.hour.outside.empty();
+    if (!sun.canEnter()) return made;
     const auto strength = static_cast<float>(disc.normalIlluminance);
     const auto add = [](std::vector<Lit>& lit, size_t row, glm::vec3 lux) {
         if (lux != glm::vec3(0)) lit.push_back({static_cast<uint32_t>(row), lux});

@@ -38,6 +38,7 @@ public:
         // it; no groups where no window is lit.
         std::vector<Lit> windows;
         std::vector<Scatter> groups;
+        std::vector<Lit> outside; // cells of what stands outside
     };
     struct Block {
         size_t first; // of skies()
@@ -79,6 +80,7 @@ private:
     const SunScene* scene_;
     const SunBounce* bounce_;
     const GlowingBlinds* blinds_;
+    const OutsideReflection* reflection_;
     std::span<const daylight::Sky> skies_;
     size_t wantedBytes_;
     std::function<void(size_t)> done_;

@@ -160,7 +160,7 @@ void SunPatches::project(const SunScene& scene, bool clipAnyway) {
             entered_.push_back(std::move(face));
     }
     if (!canEnter_ && !clipAnyway) panes_.clear(); // interior glass alone lets no sun in
-    if (panes_.empty()) return;
+    if (panes_.empty() && !clipAnyway) return;
     for (const ConvexRegion& region : scene.walls_) {
         Face face = faceOf(region);
         if (std::abs(glm::dot(face.normal, sun_)) > kEdgeOn) walls_.push_back(std::move(face));
@@ -363,6 +363,17 @@ glm::dvec3 SunPatches::onOutside(size_t patch) const {
     if (!(facing > 1e-9)) return glm::dvec3(0);
     see(patch, receiver);
     std::reverse(receiver.outline.begin(), receiver.outline.end()); // seen from outside
+    return outdoors(receiver);
+}
+
+glm::dvec3 SunPatches::onStanding(std::span<const glm::dvec3> corners) const {
+    Receiver receiver{{corners.begin(), corners.end()}, glm::normalize(geometry::areaVector(corners)), {}};
+    for (const glm::dvec3& corner : corners) receiver.outline.push_back(project(corner));
+    return glm::dot(receiver.normal, sun_) > 1e-9 ? outdoors(receiver) : glm::dvec3(0);
+}
+
+// Of a receiver that faces the sun: lit share times cosine, what walls and glass of the building leave.
+glm::dvec3 SunPatches::outdoors(const Receiver& receiver) const {
     const double whole = area(receiver.outline);
     if (!(whole > 0)) return glm::dvec3(0);
     std::vector<Piece> pieces{{receiver.outline, glm::dvec3(1)}};
@@ -370,7 +381,7 @@ glm::dvec3 SunPatches::onOutside(size_t patch) const {
     keepVisible(receiver, pieces);
     glm::dvec3 lit(0);
     for (const Piece& piece : pieces) lit += area(piece.outline) * piece.transmittance;
-    return facing * glm::min(glm::dvec3(1), lit / whole);
+    return glm::dot(receiver.normal, sun_) * glm::min(glm::dvec3(1), lit / whole);
 }
 
 glm::dvec3 SunPatches::towardsSun(glm::dvec2 q, glm::dvec3 position, glm::dvec3 normal) const {

@@ -62,6 +62,10 @@ public:
     // building shade it, its other windows dim what comes through them.
     glm::dvec3 onOutside(size_t patch) const;
 
+    // The same on a flat convex polygon that stands outside, counter-clockwise seen from the side that it
+    // faces. Needs `clipAnyway`.
+    glm::dvec3 onStanding(std::span<const glm::dvec3> corners) const;
+
     // The lit parts, disjoint, of any flat convex polygon in the air, counter-clockwise seen from the side
     // that it faces: all of it takes part, whichever rooms it reaches through.
     std::vector<SunlitParts::Part> onPolygon(std::span<const glm::dvec3> corners) const;
@@ -100,6 +104,7 @@ private:
                     std::vector<Piece>& pieces) const;
     void keepVisible(const Receiver& receiver, std::vector<Piece>& pieces) const;
     void see(size_t patch, Receiver& receiver) const;
+    glm::dvec3 outdoors(const Receiver& receiver) const;
     std::vector<Piece> litPieces(const Receiver& receiver) const;
     std::vector<SunlitParts::Part> partsOf(const std::vector<Piece>& pieces, const Receiver& receiver) const;
     glm::vec3 onPatch(const Receiver& receiver, SunlitParts* partly) const;

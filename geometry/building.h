@@ -44,8 +44,8 @@ struct Building {
     std::vector<Material> materials;
     uint32_t roomCount = 0;
     Occluders occluders;
-    // Of a model: black surfaces in no room that may shade windows from outside, as reveals before the glass;
-    // counter-clockwise seen from the air, not closed.
+    // Of a model: surfaces in no room that may shade windows from outside, as reveals before the glass, and
+    // that reflect light into them; counter-clockwise seen from the air, not closed.
     Occluders outside;
     std::vector<std::string> repairs;  // what importModel mended, one sentence each
     std::vector<std::string> warnings; // the same, where it was guessed what was meant: not among the repairs

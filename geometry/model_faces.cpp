@@ -131,8 +131,8 @@ ModelFaces flatFaces(const RawModel& model, double extent) {
         }
         for (SoupFace& piece : inTriangles(face)) out.soup.push_back(std::move(piece));
     }
-    for (const auto& corners : model.outside) {
-        SoupFace face{.loops = {{}}};
+    for (const auto& [corners, material] : model.outside) {
+        SoupFace face{.loops = {{}}, .material = material};
         for (const uint32_t v : corners) face.loops[0].push_back(model.vertices[v]);
         if (widthOf(face.loops[0]) < kWeldOfExtent * extent) continue;
         for (SoupFace& piece : inTriangles(face)) out.outside.push_back(std::move(piece));

@@ -117,9 +117,11 @@ PatchMesh readPatches(const std::filesystem::path& file, UpAxis up) {
         mesh.addPatch(model.face(i), model.material[i], Role::projection, 0, 0);
     }
     SurfaceFinder(mesh).find();
-    for (const auto& face : model.outside)
-        for (size_t k = 1; k + 1 < face.size(); ++k)
+    for (const auto& [face, material] : model.outside)
+        for (size_t k = 1; k + 1 < face.size(); ++k) {
             mesh.outside.triangles.insert(mesh.outside.triangles.end(), {face[0], face[k], face[k + 1]});
+            mesh.outside.material.push_back(material);
+        }
     if (!model.outside.empty()) mesh.outside.vertices = mesh.vertices;
     return mesh;
 }

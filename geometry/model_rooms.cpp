@@ -365,6 +365,7 @@ private:
             gone.push_back(face.room >= building_.roomCount);
             if (!gone.back()) continue;
             SoupFace& outer = outer_.emplace_back();
+            outer.material = face.material;
             for (const auto& loop : face.loops) {
                 auto& corners = outer.loops.emplace_back();
                 for (const uint32_t v : loop) corners.push_back(building_.vertices[v]);

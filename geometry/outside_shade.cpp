@@ -78,14 +78,17 @@ Occluders outsideShade(std::span<const SoupFace> faces, const Building& building
             if (!from) continue;
             if (boundsOf(corners).low.y >= *from - tolerance) {
                 out.triangles.insert(out.triangles.end(), t.begin(), t.end());
+                out.material.push_back(face.material);
                 continue;
             }
             clip<dvec3>(
                 corners, [&](dvec3 p) { return p.y - *from; }, above);
             const auto first = static_cast<uint32_t>(out.vertices.size());
             out.vertices.insert(out.vertices.end(), above.begin(), above.end());
-            for (uint32_t k = 1; k + 1 < above.size(); ++k)
+            for (uint32_t k = 1; k + 1 < above.size(); ++k) {
                 out.triangles.insert(out.triangles.end(), {first, first + k, first + k + 1});
+                out.material.push_back(face.material);
+            }
         }
     return out.triangles.empty() ? Occluders{} : out;
 }

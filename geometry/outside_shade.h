@@ -10,8 +10,8 @@ namespace heliodon::geometry {
 
 // Of `faces` (counter-clockwise seen from the outside air) the triangles that lie before the glass of some
 // window to the outside and look at it, without what of terrain, terraces and sills is below all of these:
-// it is about as bright as the ground that it hides. Corners are one within `tolerance` (metres). Cost: faces
-// times windows.
+// it is about as bright as the ground that it hides; with their materials. Corners are one within `tolerance`
+// (metres). Cost: faces times windows.
 Occluders outsideShade(std::span<const SoupFace> faces, const Building& building, double tolerance);
 
 } // namespace heliodon::geometry

@@ -41,6 +41,7 @@ constexpr uint32_t kNoRoom = UINT32_MAX; // of what is in no room
 struct Occluders {
     std::vector<glm::dvec3> vertices;
     std::vector<uint32_t> triangles; // three indices each, counter-clockwise seen from outside the solid
+    std::vector<uint32_t> material;  // per triangle, into the materials of who holds this; empty: all black
 };
 
 struct PatchMesh {

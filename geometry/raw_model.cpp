@@ -24,7 +24,7 @@ void RawModel::addCorner(uint32_t vertex, glm::vec3 normal) {
 
 void RawModel::endFace(uint32_t itsMaterial, size_t itsNumber, uint32_t itsSmoothing) {
     if (groups.back() == kOutsideGroup) {
-        outside.emplace_back(corners.begin() + firstCorner.back(), corners.end());
+        outside.push_back({{corners.begin() + firstCorner.back(), corners.end()}, itsMaterial});
         corners.resize(firstCorner.back());
         cornerNormals.resize(std::min(cornerNormals.size(), corners.size()));
         return;
@@ -126,7 +126,8 @@ void checkReach(const RawModel& model) {
                                     model.vertices[v][c], kFarthest, kFarthest));
     };
     for (size_t i = 0; i < model.faceCount(); ++i) check(model.face(i), [&] { return model.place(i); });
-    for (const auto& face : model.outside) check(face, [] { return std::string(kOutsideGroup); });
+    for (const RawModel::Outside& face : model.outside)
+        check(face.corners, [] { return std::string(kOutsideGroup); });
 }
 
 RawModel readByExtension(const std::filesystem::path& file) {

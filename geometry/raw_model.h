@@ -56,7 +56,11 @@ struct RawModel {
     };
     std::optional<Twins> twins;
     // The faces of kOutsideGroup, by their corners in `vertices`; they are not among the others.
-    std::vector<std::vector<uint32_t>> outside;
+    struct Outside {
+        std::vector<uint32_t> corners;
+        uint32_t material;
+    };
+    std::vector<Outside> outside;
     // By material, one sentence each: what the file does not say, and what may have been meant otherwise.
     std::map<uint32_t, std::string> assumed, doubts;
 

@@ -6,6 +6,7 @@
 #include <cstring>
 #include <map>
 #include <optional>
+#include <span>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -39,10 +40,16 @@ std::map<GroupKey, std::vector<size_t>> groups(const PatchMesh& mesh) {
     return out;
 }
 
-// What stands outside is black to heliodon; other programs show it as they show walls.
-uint32_t outsideMaterial(const PatchMesh& mesh) {
+// Triangles of what stands outside, by their first corners in the list, of each material. Where it has none,
+// it is black to heliodon; other programs show it as they show walls.
+std::map<uint32_t, std::vector<size_t>> outsideByMaterial(const PatchMesh& mesh) {
     const auto wall = std::ranges::find_if_not(mesh.materials, &Material::isOpening);
-    return wall == mesh.materials.end() ? 0 : static_cast<uint32_t>(wall - mesh.materials.begin());
+    const auto any = wall == mesh.materials.end() ? 0 : static_cast<uint32_t>(wall - mesh.materials.begin());
+    const Occluders& outside = mesh.outside;
+    std::map<uint32_t, std::vector<size_t>> out;
+    for (size_t t = 0; t < outside.triangles.size(); t += 3)
+        out[outside.material.empty() ? any : outside.material[t / 3]].push_back(t);
+    return out;
 }
 
 struct TwinFaces {
@@ -127,17 +134,19 @@ struct Normals {
     }
 };
 
-std::string outsideText(const PatchMesh& mesh, const std::string& material) {
-    const auto& [points, triangles] = mesh.outside;
+std::string outsideText(const PatchMesh& mesh, std::span<const std::string> names) {
+    const std::vector<uint32_t>& triangles = mesh.outside.triangles;
     if (triangles.empty()) return "";
-    std::string text = fmt::format("# before windows, seen from outside; heliodon's own\no {0}\ng {0}\n"
-                                   "usemtl {1}\n",
-                                   kOutsideGroup, material);
-    for (const glm::dvec3& p : points) text += fmt::format("v {} {} {}\n", p.x, p.y, p.z);
+    std::string text =
+        fmt::format("# before windows, seen from outside; heliodon's own\no {0}\ng {0}\n", kOutsideGroup);
+    for (const glm::dvec3& p : mesh.outside.vertices) text += fmt::format("v {} {} {}\n", p.x, p.y, p.z);
     const size_t first = mesh.vertices.size() + 1;
-    for (size_t t = 0; t < triangles.size(); t += 3)
-        text += fmt::format("f {} {} {}\n", first + triangles[t], first + triangles[t + 1],
-                            first + triangles[t + 2]);
+    for (const auto& [material, ofIt] : outsideByMaterial(mesh)) {
+        text += fmt::format("usemtl {}\n", names[material]);
+        for (const size_t t : ofIt)
+            text += fmt::format("f {} {} {}\n", first + triangles[t], first + triangles[t + 1],
+                                first + triangles[t + 2]);
+    }
     return text;
 }
 
@@ -173,7 +182,7 @@ void writeObj(const PatchMesh& mesh, const std::filesystem::path& file, double n
             text += "\n";
         }
     }
-    text += outsideText(mesh, names[outsideMaterial(mesh)]);
+    text += outsideText(mesh, names);
     if (const auto twins = twinFaces(mesh, 1)) {
         constexpr size_t kOfLine = 16;
         text += fmt::format(
@@ -355,10 +364,13 @@ private:
         if (mesh_.outside.triangles.empty()) return;
         nlohmann::ordered_json attributes;
         attributes["POSITION"] = addPlaces(mesh_.outside.vertices);
-        const size_t begin = data_.size();
-        for (const uint32_t corner : mesh_.outside.triangles) append(data_, corner);
         nlohmann::ordered_json primitives = nlohmann::ordered_json::array();
-        primitives.push_back(primitive(attributes, begin, outsideMaterial(mesh_)));
+        for (const auto& [material, triangles] : outsideByMaterial(mesh_)) {
+            const size_t begin = data_.size();
+            for (const size_t t : triangles)
+                for (size_t k = 0; k < 3; ++k) append(data_, mesh_.outside.triangles[t + k]);
+            primitives.push_back(primitive(attributes, begin, material));
+        }
         addNode(kOutsideGroup, primitives, nodes);
     }
 

@@ -66,7 +66,7 @@ std::string hashOfScene(const Scene& scene) {
             hash.add(&value, sizeof value);
     }
     if (!mesh.outside.triangles.empty())
-        hash.add(mesh.outside.vertices), hash.add(mesh.outside.triangles);
+        hash.add(mesh.outside.vertices), hash.add(mesh.outside.triangles), hash.add(mesh.outside.material);
     hash.add(scene.occluders.vertices), hash.add(scene.occluders.triangles);
     hash.add(&scene.northDeg, sizeof scene.northDeg);
     return hash.text();

@@ -38,7 +38,8 @@ bool sameGeometry(const Scene& a, const Scene& b) {
            m.material == n.material && m.role == n.role && m.surface == n.surface && m.room == n.room &&
            m.twin == n.twin && m.materials.size() == n.materials.size() &&
            m.outside.vertices == n.outside.vertices && m.outside.triangles == n.outside.triangles &&
-           a.occluders.vertices == b.occluders.vertices && a.occluders.triangles == b.occluders.triangles;
+           m.outside.material == n.outside.material && a.occluders.vertices == b.occluders.vertices &&
+           a.occluders.triangles == b.occluders.triangles;
 }
 
 bool sameMaterials(const Scene& a, const Scene& b) {

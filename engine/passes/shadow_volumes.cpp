@@ -26,7 +26,8 @@ ShadowCasters::ShadowCasters(const geometry::PatchMesh& mesh)
     for (size_t p = 0; p < mesh.patchCount(); ++p)
         if (!mesh.materials[mesh.material[p]].isOpening())
             add(mesh.patch(p), geometry::patchAreaVector(mesh, p));
-    const auto& [points, triangles] = mesh.outside;
+    const std::vector<glm::dvec3>& points = mesh.outside.vertices;
+    const std::vector<uint32_t>& triangles = mesh.outside.triangles;
     const auto first = static_cast<uint32_t>(vertices_.size());
     vertices_.insert(vertices_.end(), points.begin(), points.end());
     for (size_t t = 0; t < triangles.size(); t += 3) {

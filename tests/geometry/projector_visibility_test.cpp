@@ -250,7 +250,7 @@ private:
 
 // The faces of a mesh that no projector looks through.
 Occluders facesThatStand(const PatchMesh& mesh) {
-    Occluders out{mesh.vertices, {}};
+    Occluders out{mesh.vertices, {}, {}};
     for (size_t i = 0; i < mesh.patchCount(); ++i)
         if (patchNormal(mesh, i).y > -0.1)
             out.triangles.insert(out.triangles.end(), mesh.patch(i).begin(), mesh.patch(i).end());

@@ -1,0 +1,238 @@
+#include "compute/outside_reflection.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include <glm/geometric.hpp>
+
+#include "compute/outside_walls.h"
+#include "compute/parallel.h"
+#include "compute/view_cells.h"
+#include "geometry/bounds.h"
+#include "geometry/clip_polygon.h"
+#include "geometry/luminance.h"
+
+namespace heliodon::compute {
+
+using glm::dvec3;
+
+namespace {
+
+constexpr double kSkyAngle = 0.15, kCellAngle = 0.3; // radians, of one sample
+constexpr double kSettled = 1e-5;                    // change of light, over the most of any cell
+constexpr int kMostRounds = 200;
+
+// A box round the origin, its sides cut at the horizon: each face sky alone or ground alone.
+std::vector<PointView::Polygon> boxOfView() {
+    std::vector<PointView::Polygon> faces;
+    const std::array<dvec3, 4> round{dvec3(1, 0, 1), dvec3(1, 0, -1), dvec3(-1, 0, -1), dvec3(-1, 0, 1)};
+    for (const double y : {1.0, -1.0}) {
+        const dvec3 away(0, y, 0);
+        PointView::Polygon& end = faces.emplace_back();
+        for (const dvec3& p : round) end.push_back(p + away);
+        for (size_t k = 0; k < 4; ++k) {
+            const dvec3 a = round[k], b = round[(k + 1) % 4];
+            faces.push_back({a, b, b + away, a + away});
+        }
+    }
+    return faces;
+}
+
+// What a region may see, or be hidden by, each cut to what lies before its plane.
+struct Surroundings {
+    struct Other {
+        size_t region;
+        PointView::Polygon part;
+    };
+    std::vector<Other> others;              // that reflect
+    std::vector<PointView::Polygon> hiding; // all of these, those that are black, and the building
+};
+
+Surroundings surroundings(const OutsideCells& outside, size_t at, std::span<const ConvexRegion> building,
+                          double tolerance) {
+    const ConvexRegion& own = outside.regions()[at];
+    const dvec3 normal = normalOf(own);
+    Surroundings result;
+    const auto before = [&](const ConvexRegion& region) {
+        PointView::Polygon part;
+        geometry::clip<dvec3>(
+            region.corners, [&](const dvec3& p) { return glm::dot(p - own.corners[0], normal) - tolerance; },
+            part);
+        return part;
+    };
+    for (const ConvexRegion* other : seenFrom(own, outside.regions(), tolerance)) {
+        auto part = before(*other);
+        if (part.empty()) continue;
+        result.hiding.push_back(part);
+        const auto region = static_cast<size_t>(other - outside.regions().data());
+        if (outside.reflects(region)) result.others.push_back({region, std::move(part)});
+    }
+    for (const ConvexRegion* wall : seenFrom(own, building, tolerance))
+        if (auto part = before(*wall); !part.empty()) result.hiding.push_back(std::move(part));
+    return result;
+}
+
+// All surfaces of rooms as they are seen from outside of them.
+std::vector<ConvexRegion> turnedOut(const geometry::PatchMesh& mesh) {
+    std::vector<ConvexRegion> all = mergedRegions(mesh, std::vector<uint32_t>(mesh.patchCount(), 0), 16);
+    for (ConvexRegion& region : all) std::ranges::reverse(region.corners);
+    return all;
+}
+
+// What the centre of a cell sees.
+class CellView {
+public:
+    CellView(const PointScene& scene, const OutsideCell& cell, const Surroundings& around)
+        : cells_(scene.outside()), around_(around), view_(scene.blockers(), cell.centre, cell.normal) {
+        for (const PointView::Polygon& polygon : around.hiding) hiding_.push_back(&polygon);
+    }
+
+    // Adds lux for each cd/m2 of the elements.
+    void seeSky(const daylight::SkyPatches& sky, std::span<const PointView::Polygon> box,
+                std::span<float> lux) const {
+        std::vector<PointView::Polygon> parts;
+        PointView::Polygon moved;
+        for (const PointView::Polygon& face : box) {
+            moved.clear();
+            for (const dvec3& p : face) moved.push_back(view_.position() + p);
+            if (view_.factor(moved, parts) <= 0) continue;
+            view_.hideBeyond(hiding_, parts);
+            const bool above = face[2].y > 0;
+            sample(parts, kSkyAngle, [&](dvec3 centre, double factor) {
+                const size_t element = above ? sky.elementOf(glm::normalize(centre)) : sky.groundElement();
+                lux[element] += static_cast<float>(std::numbers::pi * factor);
+            });
+        }
+    }
+
+    std::vector<OutsideShare> others() const {
+        std::vector<OutsideShare> seen;
+        std::vector<PointView::Polygon> parts;
+        for (const auto& [region, part] : around_.others) {
+            if (view_.factor(part, parts) <= 0) continue;
+            view_.hideBehind(hiding_, parts);
+            sample(parts, kCellAngle, [&, at = region](dvec3 centre, double factor) {
+                seen.push_back(
+                    {cells_.cellAt(at, view_.position() + centre), glm::vec3(static_cast<float>(factor))});
+            });
+        }
+        mergeShares(seen);
+        return seen;
+    }
+
+private:
+    // work(centre, form factor), relative to the point.
+    template<class Work>
+    void sample(std::span<const PointView::Polygon> parts, double angle, const Work& work) const {
+        for (const PointView::Polygon& part : parts) {
+            double weights = 0;
+            forCells(part, view_.normal(), angle, [&](dvec3, double weight) { weights += weight; });
+            const double scale = scaleOfCells(view_.unhinderedFactor(part), weights) / std::numbers::pi;
+            forCells(part, view_.normal(), angle,
+                     [&](dvec3 centre, double weight) { work(centre, scale * weight); });
+        }
+    }
+
+    const OutsideCells& cells_;
+    const Surroundings& around_;
+    PointView view_;
+    std::vector<const PointView::Polygon*> hiding_;
+};
+
+} // namespace
+
+OutsideReflection::OutsideReflection(const PointScene& scene, const daylight::SkyPatches& sky)
+    : mesh_(&scene.mesh()), cells_(&scene.outside()) {
+    if (isEmpty()) return;
+    const std::vector<ConvexRegion> building = turnedOut(*mesh_);
+    const double tolerance = kSamePlane * geometry::boundsOf(mesh_->vertices).diagonal();
+    std::vector<Surroundings> around(cells_->regions().size());
+    inParallel(around.size(), [&](size_t r) {
+        if (cells_->reflects(r)) around[r] = surroundings(*cells_, r, building, tolerance);
+    });
+    elements_ = sky.elementCount();
+    bySky_.assign(cells().size() * elements_, 0);
+    std::vector<std::vector<OutsideShare>> seen(cells().size());
+    const std::vector<PointView::Polygon> box = boxOfView();
+    inParallel(cells().size(), [&](size_t c) {
+        const CellView view(scene, cells()[c], around[cells()[c].region]);
+        view.seeSky(sky, box, {&bySky_[c * elements_], elements_});
+        seen[c] = view.others();
+    });
+    for (const std::vector<OutsideShare>& of : seen) {
+        for (const OutsideShare& share : of) shares_.push_back({share.cell, share.weight.x});
+        first_.push_back(shares_.size());
+    }
+}
+
+glm::vec3 OutsideReflection::reflectance(size_t cell) const {
+    return mesh_->materials[cells()[cell].material].reflectance;
+}
+
+bool OutsideReflection::isGrey() const {
+    return std::ranges::all_of(cells(), [&](const OutsideCell& c) {
+        return geometry::isGrey(mesh_->materials[c.material].reflectance);
+    });
+}
+
+std::vector<float> OutsideReflection::skyLight(std::span<const double> luminances) const {
+    std::vector<float> lux;
+    for (size_t c = 0; c < cells().size(); ++c) {
+        double sum = 0;
+        for (size_t e = 0; e < elements_; ++e) sum += double{bySky_[c * elements_ + e]} * luminances[e];
+        lux.push_back(static_cast<float>(sum));
+    }
+    return lux;
+}
+
+std::vector<glm::vec3> OutsideReflection::sunlight(const SunPatches& sun) const {
+    std::vector<glm::vec3> lit;
+    for (const OutsideCell& cell : cells()) lit.emplace_back(sun.onStanding(cell.corners));
+    return lit;
+}
+
+std::vector<glm::vec3> OutsideReflection::exitance(std::span<const glm::vec3> straight) const {
+    const size_t n = straight.size();
+    std::vector<glm::vec3> sent(n), next(n);
+    for (size_t c = 0; c < n; ++c) sent[c] = reflectance(c) * straight[c];
+    for (int round = 0; round < kMostRounds && !shares_.empty(); ++round) {
+        float change = 0, most = 0;
+        for (size_t c = 0; c < n; ++c) {
+            glm::vec3 lux = straight[c];
+            for (const Share& share : seenFrom(c)) lux += share.factor * sent[share.cell];
+            next[c] = reflectance(c) * lux;
+            const glm::vec3 step = glm::abs(next[c] - sent[c]);
+            change = std::max({change, step.x, step.y, step.z});
+            most = std::max({most, next[c].x, next[c].y, next[c].z});
+        }
+        sent.swap(next);
+        if (change <= kSettled * most) break;
+    }
+    return sent;
+}
+
+void OutsideReflection::answer(uint32_t channel, std::span<float> answers) const {
+    const size_t n = answers.size();
+    const auto axis = static_cast<int>(channel);
+    const std::vector<float> straight(answers.begin(), answers.end());
+    std::vector<float> next(n);
+    for (int round = 0; round < kMostRounds && !shares_.empty(); ++round) {
+        next = straight;
+        for (size_t c = 0; c < n; ++c) {
+            const float sent = reflectance(c)[axis] * answers[c];
+            for (const Share& share : seenFrom(c)) next[share.cell] += share.factor * sent;
+        }
+        float change = 0, most = 0;
+        for (size_t c = 0; c < n; ++c) {
+            change = std::max(change, std::abs(next[c] - answers[c]));
+            most = std::max(most, next[c]);
+            answers[c] = next[c];
+        }
+        if (change <= kSettled * most) break;
+    }
+    for (size_t c = 0; c < n; ++c) answers[c] *= reflectance(c)[axis];
+}
+
+} // namespace heliodon::compute
