@@ -144,7 +144,9 @@ private:
             for (const SoupFace& sheet : open)
                 for (const bool over : {false, true}) {
                     SoupFace& side = faces.outside.emplace_back(sheet);
-                    if (over) turnOver(side);
+                    if (!over) continue;
+                    turnOver(side);
+                    side.material = sheet.behind.value_or(sheet.material);
                 }
             try {
                 return roomsOfModel(model_, faces, extent_, made, beforePart);

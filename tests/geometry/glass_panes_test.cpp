@@ -25,7 +25,7 @@ public:
     Drawing() : out_(file_) {
         std::ofstream(std::string(testing::TempDir()) + "slabs.mtl")
             << "newmtl wall\nKd 0.5 0.5 0.5\nnewmtl glass\nKd 0 0 0\nTf 0.8 0.8 0.8\nNi 1.52\n"
-               "newmtl dark\nTf 0.3 0.3 0.3\nNi 1.52\n";
+               "newmtl dark\nTf 0.3 0.3 0.3\nNi 1.52\nnewmtl stone\nKd 0.2 0.3 0.4\n";
         out_ << "mtllib slabs.mtl\n";
     }
 
@@ -150,9 +150,9 @@ TEST(GlassPanes, slabs_in_a_hole_of_a_wall_without_thickness) {
 
 namespace {
 
-void drawThickWalls(Drawing& drawing, double thick = 0.3) {
+void drawThickWalls(Drawing& drawing, double thick = 0.3, const char* reveal = "wall") {
     drawRoom(drawing, 0, 3);
-    drawing.tube("wall", hole(0), hole(-thick));
+    drawing.tube(reveal, hole(0), hole(-thick));
     const Corners outside = rectangle(-thick, 4 + thick, -thick, 2.5 + thick, -thick),
                   behind = rectangle(-thick, 4 + thick, -thick, 2.5 + thick, 3 + thick);
     drawing.ring(turned(outside), turned(hole(-thick)));
@@ -211,13 +211,22 @@ TEST(GlassPanes, what_stands_before_them_outside_is_kept) {
     }
 }
 
+// All of it, and there is some.
+template<class Model> void expectStone(const Model& model) {
+    EXPECT_EQ(model.outside.material.size(), model.outside.triangles.size() / 3);
+    EXPECT_FALSE(model.outside.material.empty());
+    for (const uint32_t material : model.outside.material)
+        EXPECT_EQ(model.materials[material].reflectance, glm::vec3(0.2f, 0.3f, 0.4f));
+}
+
 TEST(GlassPanes, what_stands_before_them_is_written_and_read) {
     Drawing drawing;
-    drawThickWalls(drawing, 0.4);
+    drawThickWalls(drawing, 0.4, "stone");
     drawing.face("glass", hole(0));
     const PatchMesh given = meshBuilding(drawing.read(), {300});
     const glm::dvec3 sides = sidesOf(given.outside);
     ASSERT_GT(sides.x, 0.9);
+    expectStone(given);
     for (const char* name : {"outside.obj", "outside.glb"}) {
         const std::string file = testing::TempDir() + name;
         writeModel(given, file);
@@ -228,7 +237,19 @@ TEST(GlassPanes, what_stands_before_them_is_written_and_read) {
         const PatchMesh patches = readPatches(file);
         EXPECT_EQ(patches.patchCount(), given.patchCount());
         EXPECT_NEAR(glm::length(sidesOf(patches.outside) - sides), 0, 1e-6) << name;
+        expectStone(again), expectStone(patches);
     }
+}
+
+TEST(GlassPanes, bodies_before_them_keep_their_material) {
+    Drawing drawing;
+    drawRoom(drawing, 0, 3);
+    drawing.face("glass", hole(0));
+    const Corners one = rectangle(-5, 9, 0, 8, -12), other = rectangle(-5, 9, 0, 8, -9);
+    drawing.face("stone", {one[3], one[2], one[1], one[0]});
+    drawing.face("stone", other);
+    drawing.tube("stone", one, other);
+    expectStone(drawing.read());
 }
 
 // However large: a neighbour, the ground that the house stands on.

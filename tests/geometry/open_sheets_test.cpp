@@ -28,7 +28,7 @@ public:
     // All faces turned over: drawn to be seen from outside, as some programs do.
     explicit Drawing(bool over) : over_(over) {
         std::ofstream(testing::TempDir() + "sheets.mtl")
-            << "newmtl wall\nKd .6 .6 .6\nnewmtl glass\nTf .8 .8 .8\nNi 1.52\n";
+            << "newmtl wall\nKd .6 .6 .6\nnewmtl paint\nKd .1 .2 .3\nnewmtl glass\nTf .8 .8 .8\nNi 1.52\n";
         out_ << "mtllib sheets.mtl\n";
     }
 
@@ -203,7 +203,8 @@ TEST(OpenSheets, ground_that_runs_on_through_rooms_is_cut_at_their_walls) {
             return warning.starts_with("the ground (") &&
                    warning.find("in them was left out") != std::string::npos;
         }));
-        const auto& [vertices, triangles] = building.outside;
+        const std::vector<dvec3>& vertices = building.outside.vertices;
+        const std::vector<uint32_t>& triangles = building.outside.triangles;
         for (size_t t = 0; t < triangles.size(); t += 3) {
             const dvec3 middle =
                 (vertices[triangles[t]] + vertices[triangles[t + 1]] + vertices[triangles[t + 2]]) / 3.0;
@@ -283,6 +284,21 @@ TEST(OpenSheets, both_sides_of_them_shade) {
                           .y,
                       0);
         }
+    }
+}
+
+TEST(OpenSheets, each_side_keeps_its_material) {
+    const std::vector<dvec3> down{{0, 2.3, -1}, {4, 2.3, -1}, {4, 2.3, -0.1}, {0, 2.3, -0.1}},
+        up(down.rbegin(), down.rend());
+    for (const int painted : {1, 2, 3}) {
+        Drawing drawing(false);
+        drawing.room(0, -1, true);
+        drawing.face(painted & 1 ? "paint" : "wall", down);
+        if (painted != 3) drawing.face(painted & 2 ? "paint" : "wall", up);
+        const Building building = drawing.read();
+        ASSERT_EQ(building.outside.material.size(), 2u); // of those that the window sees, from below
+        for (const uint32_t material : building.outside.material)
+            EXPECT_EQ(building.materials[material].name, painted & 1 ? "paint" : "wall") << painted;
     }
 }
 
