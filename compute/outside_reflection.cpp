@@ -20,7 +20,7 @@ using glm::dvec3;
 
 namespace {
 
-constexpr double kSkyAngle = 0.15, kCellAngle = 0.3; // radians, of one sample
+constexpr double kSkyAngle = 0.15, kCellAngle = 0.1; // radians, of one sample
 constexpr double kSettled = 1e-5;                    // change of light, over the most of any cell
 constexpr int kMostRounds = 200;
 

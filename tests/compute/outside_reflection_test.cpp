@@ -1,0 +1,212 @@
+// Light that what stands outside of windows reflects into rooms.
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "compute/annual_daylight.h"
+#include "compute/daylight_transport.h"
+#include "compute/outside_reflection.h"
+#include "tests/compute/outside_scenes.h"
+#include "tests/compute/skies.h"
+#include "tests/gpu/test_device.h"
+
+namespace heliodon::compute {
+namespace {
+
+using glm::dvec3;
+
+constexpr double kPi = std::numbers::pi;
+
+const std::vector<Sensor> kSensors{{{2, 0.8, 1}, {0, 1, 0}},
+                                   {{2, 0.8, 2.5}, {0, 1, 0}},
+                                   {{2, 1.5, 4.9}, {0, 0, -1}},
+                                   {{0.1, 1.2, 1}, {1, 0, 0}}};
+// Overcast; in the sun that reaches no window but what stands opposite; sun from the side.
+std::vector<daylight::Sky> skies() {
+    return {test::overcast(), test::sunny({0.3, 0.5, 0.8}), test::sunny({0.8, 0.6, -0.5})};
+}
+
+geometry::PatchMesh sceneOf(const std::string& what) {
+    geometry::PatchMesh mesh = test::roomWithWindow(1);
+    test::addOutside(mesh, what);
+    return mesh;
+}
+
+// Of one luminance all round.
+daylight::Sky furnace(double luminance) {
+    daylight::Sky sky;
+    sky.formula.scale = sky.ground.luminance = luminance;
+    return sky;
+}
+
+double lux(glm::vec3 rgb) {
+    return photometric(rgb);
+}
+
+struct Traced {
+    const char* scene;
+    struct {
+        double lux, standardError;
+    } at[3][4]; // skies, sensors
+};
+// By tests/compute/path_tracer.h, 900,000 paths each, of withOutsideAsPatches(): its walls, too, are black
+// from outside.
+constexpr Traced kTraced[] = {
+    {"facade",
+     {{{551.75, 0.67}, {115.65, 0.38}, {125.17, 0.39}, {309.53, 0.59}},
+      {{4751.7, 5.3}, {1252.2, 2.9}, {1464.1, 2.6}, {2112.4, 2.3}},
+      {{1500.2, 2.6}, {608.66, 1.5}, {730.49, 2.1}, {2893.7, 2.8}}}},
+    {"reveal",
+     {{{733.37, 0.63}, {172.09, 0.38}, {152.93, 0.45}, {303.96, 0.57}},
+      {{1147, 1.4}, {441.42, 1.2}, {563.49, 1.2}, {821.36, 1.2}},
+      {{2698.6, 3.7}, {908.19, 2.9}, {989.07, 1.9}, {3028.5, 3.9}}}},
+    {"overhang",
+     {{{446.36, 0.23}, {139.95, 0.26}, {143.29, 0.23}, {252.79, 0.3}},
+      {{1099.5, 0.8}, {471.08, 0.96}, {632.11, 0.99}, {917.33, 1.1}},
+      {{1713.1, 1.8}, {625.02, 1.4}, {771.36, 1.3}, {2467.7, 1.9}}}},
+    {"fins",
+     {{{1015.4, 0.6}, {199.22, 0.37}, {159.11, 0.27}, {240.14, 0.98}},
+      {{1199.7, 0.94}, {456.33, 0.76}, {566.77, 1.1}, {433.74, 1}},
+      {{2908, 2.4}, {894.26, 1.4}, {928.2, 2.1}, {1373.9, 3.9}}}},
+    {"court",
+     {{{272.51, 0.56}, {79.73, 0.47}, {78.53, 0.44}, {139.03, 0.63}},
+      {{3366.7, 3.1}, {929.29, 1.9}, {1088.6, 1.6}, {648.1, 2.6}},
+      {{675.05, 1.5}, {246.16, 1.1}, {211.56, 0.5}, {346.51, 0.97}}}},
+};
+
+TEST(OutsideReflection, rooms_have_the_light_of_traced_paths) {
+    for (const Traced& traced : kTraced) {
+        DaylightTransport transport(test::device(), sceneOf(traced.scene));
+        transport.setSensors(kSensors);
+        double squares = 0;
+        for (size_t k = 0; k < 3; ++k) {
+            const Moment moment = transport.light(skies()[k]);
+            for (size_t s = 0; s < kSensors.size(); ++s) {
+                const auto& [truth, noise] = traced.at[k][s];
+                const double here = lux(moment.sensors[s].total());
+                squares += std::pow(here / truth - 1, 2);
+                EXPECT_NEAR(here, truth, double{moment.sensors[s].error} + 3 * noise)
+                    << traced.scene << ", sky " << k << ", sensor " << s;
+            }
+        }
+        EXPECT_LT(std::sqrt(squares / 12), 0.02) << traced.scene;
+    }
+}
+
+// Lambert's formula for the window, Kepler's law for the wall: it is as bright as all that lights it.
+TEST(OutsideReflection, a_wall_that_fills_the_view_in_an_even_world) {
+    geometry::PatchMesh mesh = test::roomWithWindow(1);
+    geometry::Material& hole = mesh.materials[1];
+    hole.transmittance = glm::vec3(1), hole.refractiveIndex = 1;
+    test::wallOutside(mesh, {5000, -100}, {-5000, -100}, -5000, 5000, 0.4f);
+    DaylightTransport transport(test::device(), mesh);
+    transport.setSensors({{{2, 1.5, 2}, {0, 0, -1}}, {{2, 1.5, 4}, {0, 0, -1}}});
+    const Moment moment = transport.light(furnace(1000));
+    for (size_t s = 0; s < 2; ++s) {
+        const double away = s == 0 ? 2 : 4, x = 1 / std::hypot(1, away), y = 0.5 / std::hypot(0.5, away);
+        const double quarter =
+            (x * std::atan(0.5 / std::hypot(1, away)) + y * std::atan(1 / std::hypot(0.5, away))) / (2 * kPi);
+        const double expected = 0.4 * kPi * 1000 * 4 * quarter;
+        EXPECT_NEAR(lux(moment.sensors[s].ground), expected, 3e-3 * expected); // the room hides a little
+        EXPECT_NEAR(lux(moment.sensors[s].sky), 0, 1e-6 * expected);
+    }
+}
+
+// Nothing outside is brighter than what lights it, however often light goes to and fro.
+TEST(OutsideReflection, an_enclosure_sends_no_more_than_it_gets) {
+    geometry::PatchMesh mesh = test::roomWithWindow(1);
+    for (const float x : {-0.5f, 4.5f})
+        test::wallOutside(mesh, {x, x < 0 ? -6 : 0}, {x, x < 0 ? 0 : -6}, -3, 9, 0.99f);
+    test::wallOutside(mesh, {4.5, -6}, {-0.5, -6}, -3, 9, 0.99f);
+    const PointScene scene(mesh);
+    const daylight::SkyPatches sky(2);
+    const OutsideReflection reflection(scene, sky);
+    const std::vector<double> even(sky.elementCount(), 1 / kPi);
+    const std::vector<float> straight = reflection.skyLight(even);
+    std::vector<glm::vec3> lit;
+    for (const float one : straight) lit.emplace_back(one);
+    const std::vector<glm::vec3> sent = reflection.exitance(lit);
+    double mean = 0, once = 0;
+    for (size_t c = 0; c < sent.size(); ++c) {
+        EXPECT_LT(sent[c].y, 1.001);
+        mean += sent[c].y / static_cast<double>(sent.size());
+        once += 0.99 * straight[c] / static_cast<double>(sent.size());
+    }
+    EXPECT_GT(mean, 1.5 * once); // the black room before it takes its share
+}
+
+TEST(OutsideReflection, what_answers_is_the_transpose_of_what_is_sent) {
+    const geometry::PatchMesh mesh = sceneOf("court");
+    const PointScene scene(mesh);
+    const OutsideReflection reflection(scene, daylight::SkyPatches(1));
+    const size_t n = reflection.cells().size();
+    ASSERT_GT(n, 20u);
+    const std::span<const OutsideCell> cells = reflection.cells();
+    const auto area = [&](size_t c) { return 0.5 * glm::length(geometry::areaVector(cells[c].corners)); };
+    for (const size_t from : {size_t{3}, n / 2, n - 4}) {
+        std::vector<glm::vec3> lit(n, glm::vec3(0));
+        lit[from] = glm::vec3(1);
+        const std::vector<glm::vec3> sent = reflection.exitance(lit);
+        std::vector<float> answers(n, 0);
+        answers[from] = 1;
+        reflection.answer(0, answers);
+        double there = 0, back = 0;
+        for (size_t to = 0; to < n; ++to) {
+            std::vector<float> one(n, 0);
+            one[to] = 1;
+            reflection.answer(0, one);
+            EXPECT_NEAR(one[from], sent[to].x, 1e-4 * sent[from].x);
+            if (to == from || glm::length(cells[to].centre - cells[from].centre) < 4) continue;
+            there += area(to) * sent[to].x, back += area(from) * answers[to];
+        }
+        EXPECT_NEAR(there, back, 0.15 * back); // reciprocity, of cells seen from their middles
+    }
+}
+
+TEST(OutsideReflection, is_ground_light_and_has_the_colour_of_the_wall) {
+    geometry::PatchMesh mesh = sceneOf("facade");
+    mesh.materials.back().reflectance = {0.6f, 0.3f, 0};
+    DaylightTransport red(test::device(), mesh);
+    mesh.materials.back().reflectance = glm::vec3(0);
+    DaylightTransport black(test::device(), mesh);
+    red.setSensors(kSensors), black.setSensors(kSensors);
+    const Moment one = red.light(test::overcast()), other = black.light(test::overcast());
+    EXPECT_EQ(std::ranges::count(other.report.skipped, "what stands outside: black, reflects nothing"), 1);
+    for (size_t s = 0; s < kSensors.size(); ++s) {
+        const glm::vec3 more = one.sensors[s].ground - other.sensors[s].ground;
+        EXPECT_GT(more.x, 0.05F * other.sensors[s].total().x) << s;
+        EXPECT_NEAR(more.y, more.x / 2, 2e-3 * more.x);
+        EXPECT_NEAR(more.z, 0, 2e-3 * more.x);
+        EXPECT_NEAR(lux(one.sensors[s].sky), lux(other.sensors[s].sky), 1e-6 * lux(other.sensors[s].sky));
+    }
+    red.setMaterials(mesh.materials); // black
+    const Moment again = red.light(test::overcast());
+    for (size_t s = 0; s < kSensors.size(); ++s)
+        EXPECT_NEAR(lux(again.sensors[s].total()), lux(other.sensors[s].total()),
+                    1e-4 * lux(other.sensors[s].total()));
+}
+
+// Hour by hour as moment by moment, also where the sun reaches what stands outside alone.
+TEST(OutsideReflection, years_have_it) {
+    DaylightTransport transport(test::device(), sceneOf("facade"));
+    const std::vector<daylight::Sky> hours = skies();
+    AnnualDaylight year(transport, hours, kSensors.size());
+    const size_t count = kSensors.size() * hours.size();
+    std::vector<float> all(count), sun(count), error(count);
+    year.sensors(kSensors, all, sun, error);
+    EXPECT_EQ(year.report().withSun, 2u);
+    for (size_t h = 0; h < hours.size(); ++h) {
+        const Moment moment = transport.light(hours[h]);
+        for (size_t s = 0; s < kSensors.size(); ++s) {
+            const double truth = lux(moment.sensors[s].total());
+            EXPECT_NEAR(all[s * hours.size() + h], truth, 4e-3 * truth) << h << ", " << s;
+        }
+    }
+}
+
+} // namespace
+} // namespace heliodon::compute
