@@ -84,6 +84,7 @@ struct Moment {
     // told.
     double solverError = 0;
     std::vector<float> exitanceErrors;
+    double unsureLumens = 0;       // of what is reflected from outside on to patches: may be off
     double laterShare = 0;         // of light by way of the room: what the mesh leaves on it
     std::vector<float> meshErrors; // the same of patches' exitance by itself, photometric
     // Per patch: by how much what it sends far of the sun's first bounce differs from its exitance, for where

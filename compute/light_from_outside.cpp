@@ -19,7 +19,7 @@ constexpr double kPi = std::numbers::pi;
 constexpr double kRibbonError = 0.003; // of what a ribbon at the horizon gives straight
 // Of what is reflected from outside: what cells and the building's own black walls leave
 // (docs/accuracy.md).
-constexpr float kReflectedError = 0.05F;
+constexpr float kReflectedError = 0.04F;
 
 glm::vec3 received(std::span<const OutsideShare> shares, std::span<const glm::vec3> exitance) {
     glm::vec3 lux(0);
@@ -241,8 +241,10 @@ void LightFromOutside::reflect(Moment& moment, const daylight::Sky& sky, const S
     const std::vector<glm::vec3> exitance = outsideExitance(sky);
     for (size_t i = 0; i < patchSky_.walls.size(); ++i) {
         const glm::vec3 lux = received(patchSky_.walls[i], exitance);
+        const float unsure = kReflectedError * static_cast<float>(photometric(lux));
         moment.patches[i].ground += lux;
-        moment.patches[i].error += kReflectedError * static_cast<float>(photometric(lux));
+        moment.patches[i].error += unsure;
+        moment.unsureLumens += geometry::patchArea(mesh_, i) * double{unsure};
     }
     reflectAtSensors(moment, exitance, sensors);
 }

@@ -194,6 +194,11 @@ float slatsError(const LightParts& parts, const SlatsSeen& slats, double unsure)
                               unsure * std::max(0.0, photometric(parts.interreflected) - seen - slats.back));
 }
 
+// Of light by way of the room, for what comes in and may be off. Needs report.lumensIn.
+double unsureShare(const Moment& moment) {
+    return moment.unsureLumens > 0 ? moment.unsureLumens / moment.report.lumensIn : 0;
+}
+
 // `mean`: of the exitance, photometric. Needs report.lumensIn.
 void setPatchErrors(const MomentScene& scene, const SolvedColumns& solved, double mean, Moment& moment) {
     const SlatsLight slats = slatsLight(scene, moment);
@@ -215,7 +220,7 @@ void setPatchErrors(const MomentScene& scene, const SolvedColumns& solved, doubl
             static_cast<float>(
                 std::abs(1 - scene.rowSums[i]) * mean +
                 (solved.gatheredError.empty() ? moment.solverError : double{solved.gatheredError[i]}) +
-                (scene.rowError + std::max(kPatchBounceError, moment.laterShare)) *
+                (scene.rowError + unsureShare(moment) + std::max(kPatchBounceError, moment.laterShare)) *
                     photometric(parts.interreflected) +
                 (kPatchSkyError + (scene.skyError.empty() ? 0 : double{scene.skyError[i]})) *
                     photometric(parts.sky + parts.ground)) +
@@ -449,7 +454,7 @@ void lightSensors(const MomentScene& scene, Moment& moment) {
                      byMesh = std::max({kBounceError * reflected, moment.laterShare * reflected,
                                         seenError(scene, moment, s)});
         parts.error += static_cast<float>(bySolver + nearError(scene, light, s) + dot(even, unsure) +
-                                          scene.rowError * reflected + byMesh +
+                                          (scene.rowError + unsureShare(moment)) * reflected + byMesh +
                                           kSensorSkyError * photometric(parts.sky + parts.ground));
         if (slats.isEmpty()) return;
         SlatsBent bent;

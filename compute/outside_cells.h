@@ -2,11 +2,11 @@
 // to be lit evenly.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
 
-#include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 
 #include "compute/convex_regions.h"
@@ -30,29 +30,38 @@ void mergeShares(std::vector<OutsideShare>& shares);
 
 class OutsideCells {
 public:
+    static constexpr size_t kMostCells = 2048;
+
     OutsideCells() = default;
     // `regions` of outsideRegions, which stay as they are; those of black materials get no cells. A cell is
-    // as wide as half its region's distance from the nearest opening, or an eighth of the region where that
-    // is wider; coarser where there would be more than 2048.
+    // halved until it is no longer than a quarter of its distance from the nearest opening that its front
+    // looks at, or than an eighth of that opening's root of the area; where there would be more than
+    // kMostCells, than some times as much.
     OutsideCells(const geometry::PatchMesh& mesh, std::vector<ConvexRegion> regions,
                  std::span<const ConvexRegion> openings);
 
     std::span<const ConvexRegion> regions() const { return regions_; }
     std::span<const OutsideCell> cells() const { return cells_; }
-    bool reflects(size_t region) const { return grids_[region].across > 0; }
+    bool reflects(size_t region) const { return roots_[region] != kNone; }
     // Of a region that reflects, the cell that a point of it lies in.
     uint32_t cellAt(size_t region, glm::dvec3 point) const;
 
 private:
-    struct Grid {                         // over a region, in its own plane
-        glm::dvec3 origin{0}, u{0}, v{0}; // scaled: a step is a cell
-        uint32_t across = 0, along = 0;
-        std::vector<uint32_t> cell;
+    static constexpr uint32_t kNone = UINT32_MAX;
+    struct Node {
+        glm::dvec3 normal{0}; // of the cut
+        double offset = 0;
+        std::array<uint32_t, 2> child{}; // before the cut, and beyond it
+        uint32_t cell = kNone;           // of a leaf
     };
-    void cut(size_t region, Grid& grid);
+    struct Opening;
+    void cutAll(std::span<const ConvexRegion> openings, std::span<const size_t> bright, double coarser);
+    uint32_t cut(std::vector<glm::dvec3> polygon, uint32_t region, std::span<const Opening> openings,
+                 double coarser);
 
     std::vector<ConvexRegion> regions_;
-    std::vector<Grid> grids_; // of regions
+    std::vector<uint32_t> roots_; // of regions, in nodes_; kNone of black ones
+    std::vector<Node> nodes_;
     std::vector<OutsideCell> cells_;
 };
 

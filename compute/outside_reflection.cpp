@@ -85,7 +85,8 @@ std::vector<ConvexRegion> turnedOut(const geometry::PatchMesh& mesh) {
 class CellView {
 public:
     CellView(const PointScene& scene, const OutsideCell& cell, const Surroundings& around)
-        : cells_(scene.outside()), around_(around), view_(scene.blockers(), cell.centre, cell.normal) {
+        : cells_(scene.outside()), around_(around), view_(scene.blockers(), cell.centre, cell.normal),
+          least_(scene.blockers().tolerance()) {
         for (const PointView::Polygon& polygon : around.hiding) hiding_.push_back(&polygon);
     }
 
@@ -111,6 +112,8 @@ public:
         std::vector<OutsideShare> seen;
         std::vector<PointView::Polygon> parts;
         for (const auto& [region, part] : around_.others) {
+            const ConvexRegion& whole = cells_.regions()[region];
+            if (glm::dot(view_.position() - whole.corners[0], normalOf(whole)) <= least_) continue;
             if (view_.factor(part, parts) <= 0) continue;
             view_.hideBehind(hiding_, parts);
             sample(parts, kCellAngle, [&, at = region](dvec3 centre, double factor) {
@@ -138,6 +141,7 @@ private:
     const OutsideCells& cells_;
     const Surroundings& around_;
     PointView view_;
+    double least_; // length
     std::vector<const PointView::Polygon*> hiding_;
 };
 

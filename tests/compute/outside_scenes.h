@@ -37,19 +37,22 @@ inline void wallOutside(geometry::PatchMesh& mesh, glm::dvec2 a, glm::dvec2 b, d
                  bothSides);
 }
 
-inline const std::vector<std::string> kOutsideScenes{"facade", "reveal", "overhang", "fins", "court"};
+inline const std::vector<std::string> kOutsideScenes{"facade", "reveal", "overhang", "fins",
+                                                     "court",  "street", "all"};
 
 inline void addOutside(geometry::PatchMesh& mesh, const std::string& scene) {
-    if (scene == "facade") wallOutside(mesh, {17, -10}, {-13, -10}, 0, 12, 0.5f);
+    const bool all = scene == "all"; // but what encloses
+    if (all || scene == "facade") wallOutside(mesh, {17, -10}, {-13, -10}, 0, 12, 0.5f);
     if (scene == "reveal") {
         wallOutside(mesh, {1, -0.4}, {1, 0}, 1, 2, 0.7f), wallOutside(mesh, {3, 0}, {3, -0.4}, 1, 2, 0.7f);
         standOutside(mesh, {{1, 1, 0}, {3, 1, 0}, {3, 1, -0.4}, {1, 1, -0.4}}, 0.7f);
         standOutside(mesh, {{1, 2, -0.4}, {3, 2, -0.4}, {3, 2, 0}, {1, 2, 0}}, 0.7f);
     }
-    if (scene == "overhang")
+    if (all || scene == "overhang")
         standOutside(mesh, {{0, 2.2, -1.5}, {4, 2.2, -1.5}, {4, 2.2, 0}, {0, 2.2, 0}}, 0.5f, true);
-    if (scene == "fins")
+    if (all || scene == "fins")
         for (const double x : {0.9, 2.0, 3.1}) wallOutside(mesh, {x, 0}, {x, -1}, 0.8, 2.2, 0.6f, true);
+    if (scene == "street") wallOutside(mesh, {12, -3}, {-8, -3}, -2, 20, 0.6f);
     if (scene == "court") {
         wallOutside(mesh, {7, -6}, {-3, -6}, 0, 9, 0.4f);
         wallOutside(mesh, {-3, -6}, {-3, 0}, 0, 9, 0.4f), wallOutside(mesh, {7, 0}, {7, -6}, 0, 9, 0.4f);
