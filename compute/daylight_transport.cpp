@@ -421,7 +421,8 @@ TransportParts DaylightTransport::parts() {
             state.sensors.slats,
             state.outside->reflection(),
             state.outside->patchSky().walls,
-            state.sensors.walls};
+            state.sensors.walls,
+            state.outside->outsideOnBlinds()};
 }
 
 const geometry::PatchMesh& DaylightTransport::mesh() const {

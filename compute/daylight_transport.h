@@ -26,6 +26,7 @@
 #include "compute/glowing_blinds.h"
 #include "compute/hidden_sky.h"
 #include "compute/lighting.h"
+#include "compute/outside_on_blinds.h"
 #include "compute/outside_reflection.h"
 #include "compute/radiosity.h"
 #include "compute/sensor_gather.h"
@@ -134,6 +135,7 @@ struct TransportParts {
     std::span<const std::array<std::vector<float>, 3>> sensorSlats;
     const OutsideReflection& reflection; // its cells, as patches (none without cells) and sensors see them
     std::span<const std::vector<OutsideShare>> patchWalls, sensorWalls;
+    const OutsideOnBlinds& outsideOnBlinds;
 };
 
 class DaylightTransport {

@@ -34,7 +34,7 @@ LightFromOutside::LightFromOutside(const PointScene& points, const NearPairs& pa
                                    const daylight::SkyPatches& sky, const TransportOptions& options)
     : points_(points), mesh_(points.mesh()), sky_(sky), skipNothing_(options.skipNothing), sunScene_(mesh_),
       blinds_(mesh_), slats_(points, blinds_, factors), hiddenSky_(mesh_, sunScene_, blinds_, sky),
-      reflection_(points, sky) {
+      reflection_(points, sky), outsideOnBlinds_(points, blinds_) {
     for (size_t i = 0; i < mesh_.patchCount(); ++i)
         hasOpenings_ |= mesh_.twin[i] == geometry::kNoTwin && mesh_.materials[mesh_.material[i]].isOpening();
     if (hasOpenings_) sunBounce_ = std::make_unique<SunBounce>(points, pairs, rowSums);
@@ -247,6 +247,13 @@ void LightFromOutside::reflect(Moment& moment, const daylight::Sky& sky, const S
         moment.unsureLumens += geometry::patchArea(mesh_, i) * double{unsure};
     }
     reflectAtSensors(moment, exitance, sensors);
+    if (outsideOnBlinds_.patches().empty()) return;
+    glow(moment, [](size_t, uint32_t) { return glm::vec3(0); });
+    for (const OutsideOnBlinds::Patch& p : outsideOnBlinds_.patches()) {
+        const glm::vec3 more = received(p.shares, exitance);
+        moment.glow[p.patch] += more;
+        moment.unsureLumens += geometry::patchArea(mesh_, p.patch) * kReflectedError * photometric(more);
+    }
 }
 
 void LightFromOutside::reflectAtSensors(Moment& moment, std::span<const glm::vec3> exitance,

@@ -18,6 +18,7 @@
 #include "compute/gpu/buffer.h"
 #include "compute/hidden_sky.h"
 #include "compute/near_pairs.h"
+#include "compute/outside_on_blinds.h"
 #include "compute/outside_reflection.h"
 #include "compute/point_scene.h"
 #include "compute/ribbon_light.h"
@@ -58,6 +59,7 @@ public:
     const GlowingBlinds& blinds() const { return blinds_; }
     const SlatLobes& slats() const { return slats_; }
     const HiddenSky& hiddenSky() const { return hiddenSky_; }
+    const OutsideOnBlinds& outsideOnBlinds() const { return outsideOnBlinds_; }
     const OutsideReflection& reflection() const {
         return reflection_;
     } // its cells are those of patchSky().walls
@@ -92,6 +94,7 @@ private:
     SlatLobes slats_;
     HiddenSky hiddenSky_; // before blinds
     OutsideReflection reflection_;
+    OutsideOnBlinds outsideOnBlinds_;
     PatchSky patchSky_;
     uint32_t skyElements_ = 0, skyChannels_ = 1;
     double skySeconds_ = 0;

@@ -101,10 +101,12 @@ public:
             if (view_.factor(moved, parts) <= 0) continue;
             view_.hideBeyond(hiding_, parts);
             const bool above = face[2].y > 0;
-            sample(parts, kSkyAngle, [&](dvec3 centre, double factor) {
-                const size_t element = above ? sky.elementOf(glm::normalize(centre)) : sky.groundElement();
-                lux[element] += static_cast<float>(std::numbers::pi * factor);
-            });
+            for (const PointView::Polygon& part : parts)
+                forSamples(view_, part, kSkyAngle, [&](dvec3 centre, double factor) {
+                    const size_t element =
+                        above ? sky.elementOf(glm::normalize(centre)) : sky.groundElement();
+                    lux[element] += static_cast<float>(std::numbers::pi * factor);
+                });
         }
     }
 
@@ -116,28 +118,17 @@ public:
             if (glm::dot(view_.position() - whole.corners[0], normalOf(whole)) <= least_) continue;
             if (view_.factor(part, parts) <= 0) continue;
             view_.hideBehind(hiding_, parts);
-            sample(parts, kCellAngle, [&, at = region](dvec3 centre, double factor) {
-                seen.push_back(
-                    {cells_.cellAt(at, view_.position() + centre), glm::vec3(static_cast<float>(factor))});
-            });
+            for (const PointView::Polygon& seenPart : parts)
+                forSamples(view_, seenPart, kCellAngle, [&, at = region](dvec3 centre, double factor) {
+                    seen.push_back({cells_.cellAt(at, view_.position() + centre),
+                                    glm::vec3(static_cast<float>(factor))});
+                });
         }
         mergeShares(seen);
         return seen;
     }
 
 private:
-    // work(centre, form factor), relative to the point.
-    template<class Work>
-    void sample(std::span<const PointView::Polygon> parts, double angle, const Work& work) const {
-        for (const PointView::Polygon& part : parts) {
-            double weights = 0;
-            forCells(part, view_.normal(), angle, [&](dvec3, double weight) { weights += weight; });
-            const double scale = scaleOfCells(view_.unhinderedFactor(part), weights) / std::numbers::pi;
-            forCells(part, view_.normal(), angle,
-                     [&](dvec3 centre, double weight) { work(centre, scale * weight); });
-        }
-    }
-
     const OutsideCells& cells_;
     const Surroundings& around_;
     PointView view_;

@@ -340,9 +340,7 @@ void PointScene::outsideOf(const PointView& view, const RoomBeyond& beyond, cons
         for (const PointView::Polygon& part : parts) work(part, glass);
         if (!byWall) continue;
         for (const auto& [region, wall] : opening.walls) {
-            const ConvexRegion& whole = outside_.regions()[region];
-            if (glm::dot(view.position() - whole.corners[0], normalOf(whole)) <= blockers_.tolerance())
-                continue;
+            if (!isBefore(view.position(), region)) continue;
             for (const PointView& frame : framed) {
                 if (!frame.mayShow(wall) || frame.factor(wall, parts) <= 0) continue;
                 view.hideBehind(hiding, parts);
@@ -370,15 +368,10 @@ bool PointScene::mayShowLow(dvec3 position, dvec3 normal, uint32_t room, double 
 
 void PointScene::seeWall(const PointView& view, const PointView::Polygon& part, size_t region,
                          const GlassBefore& glass, double angle, std::vector<OutsideShare>& walls) const {
-    const size_t first = walls.size();
-    double weights = 0;
-    forCells(part, view.normal(), angle, [&](dvec3 centre, double weight) {
+    forSamples(view, part, angle, [&](dvec3 centre, double factor) {
         walls.push_back({outside_.cellAt(region, view.position() + centre),
-                         glm::vec3(weight * glass.transmittance(glm::normalize(centre)))});
-        weights += weight;
+                         glm::vec3(factor * glass.transmittance(glm::normalize(centre)))});
     });
-    const auto scale = static_cast<float>(scaleOfCells(view.unhinderedFactor(part), weights) / kPi);
-    for (size_t k = first; k < walls.size(); ++k) walls[k].weight *= scale;
 }
 
 void PointScene::seeSky(const PointView& view, uint32_t room, double angle, std::vector<SkySample>& samples,
@@ -408,6 +401,35 @@ void PointScene::seeSky(const PointView& view, uint32_t room, double angle, std:
     };
     const bool seesWalls = walls && !outside_.cells().empty();
     forOutside(view, room, sky, seesWalls ? OutsideWallWork(wall) : OutsideWallWork());
+}
+
+void PointScene::seeWallsBefore(uint32_t patch, double angle, const CellWork& work) const {
+    const dvec3 middle = patches_[patch].centre, outwards = -patches_[patch].normal;
+    const geometry::Bounds here{middle, middle};
+    const double near = kSamePlane * geometry::boundsOf(mesh_->vertices).diagonal();
+    const auto own = std::ranges::find_if(openings_, [&](const Opening& opening) {
+        return opening.region.room == mesh_->room[patch] && opening.region.group == mesh_->material[patch] &&
+               std::abs(glm::dot(middle - opening.region.corners[0], opening.normal)) <= near &&
+               geometry::boundsOf(opening.region.corners).isNear(here, near);
+    });
+    if (own == openings_.end()) return;
+    const PointView view(blockers_, middle, outwards);
+    std::vector<const PointView::Polygon*> hiding;
+    for (const PointView::Polygon& polygon : own->hiddenBy) hiding.push_back(&polygon);
+    std::vector<PointView::Polygon> parts;
+    for (const auto& [region, wall] : own->walls) {
+        if (!isBefore(middle, region) || view.factor(wall, parts) <= 0) continue;
+        view.hideBehind(hiding, parts);
+        for (const PointView::Polygon& part : parts)
+            forSamples(view, part, angle, [&, at = region](dvec3 centre, double factor) {
+                work(outside_.cellAt(at, middle + centre), glm::normalize(centre), factor);
+            });
+    }
+}
+
+bool PointScene::isBefore(dvec3 point, size_t region) const {
+    const ConvexRegion& whole = outside_.regions()[region];
+    return glm::dot(point - whole.corners[0], normalOf(whole)) > blockers_.tolerance();
 }
 
 } // namespace heliodon::compute

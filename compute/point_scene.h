@@ -109,6 +109,11 @@ public:
     void seePatchesBeyond(const PointView& view, uint32_t room, float* row,
                           std::vector<TintedShare>& tinted) const;
 
+    // work(cell, towards it, form factor) for what the middle of a patch of an opening, before its glass,
+    // sees of outside(), in pieces of at most `angle` radians.
+    using CellWork = std::function<void(uint32_t cell, glm::dvec3 towards, double factor)>;
+    void seeWallsBefore(uint32_t patch, double angle, const CellWork& work) const;
+
     // The view's form factor of a patch in its own room; 0 where it looks at its back or along it.
     double factor(const PointView& view, uint32_t patch) const;
 
@@ -148,6 +153,7 @@ private:
     static bool anyShows(std::span<const PointView> frames, std::span<const glm::dvec3> polygon);
     void outsideOf(const PointView& view, const RoomBeyond& beyond, const OutsideWork& work,
                    const OutsideWallWork& byWall) const;
+    bool isBefore(glm::dvec3 point, size_t region) const; // of outside()
     void seeWall(const PointView& view, const PointView::Polygon& part, size_t region,
                  const GlassBefore& glass, double angle, std::vector<OutsideShare>& walls) const;
 

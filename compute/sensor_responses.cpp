@@ -261,7 +261,7 @@ void SensorResponder::addOutside(const TransportParts& parts, const Smooth& smoo
                                  SensorResponses& result) const {
     const size_t n = area_.size(), sensors = result.sensors, elements = parts.skyElements,
                  cells = parts.reflection.cells().size();
-    const size_t rows = GlowRows(parts, n).outside;
+    const GlowRows rows(parts, n);
     inParallel(cells > 0 ? sensors : 0, [&](size_t s) {
         for (size_t b = 0; b < beams_; ++b) {
             const auto axis = static_cast<int>(b);
@@ -269,6 +269,10 @@ void SensorResponder::addOutside(const TransportParts& parts, const Smooth& smoo
             for (size_t i = 0; i < n; ++i)
                 for (const OutsideShare& share : parts.patchWalls[i])
                     answers[share.cell] += smooth[b][s * n + i] * share.weight[axis];
+            for (const OutsideOnBlinds::Patch& p : parts.outsideOnBlinds.patches())
+                for (const OutsideShare& share : p.shares)
+                    answers[share.cell] +=
+                        result.sun[b][(rows.glow + p.row) * sensors + s] * share.weight[axis];
             const float luminous = beams_ == 3 ? static_cast<float>(geometry::kLuminance[axis]) : 1;
             for (const auto& own : {parts.sensorWalls[s], parts.near[s].walls})
                 for (const OutsideShare& share : own)
@@ -276,7 +280,7 @@ void SensorResponder::addOutside(const TransportParts& parts, const Smooth& smoo
                                                        : static_cast<float>(photometric(share.weight));
             parts.reflection.answer(static_cast<uint32_t>(b), answers);
             for (size_t c = 0; c < cells; ++c) {
-                result.sun[b][(rows + c) * sensors + s] = answers[c];
+                result.sun[b][(rows.outside + c) * sensors + s] = answers[c];
                 const std::span<const float> bySky = parts.reflection.bySky(c);
                 const auto perLuminance = static_cast<float>(answers[c] / std::numbers::pi);
                 for (size_t e = 0; e < elements; ++e) result.sky[s * elements + e] += perLuminance * bySky[e];

@@ -11,6 +11,8 @@
 #include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
 
+#include "compute/point_view.h"
+
 namespace heliodon::compute {
 
 // A small convex polygon, relative to the point.
@@ -83,6 +85,16 @@ void forCells(std::span<const glm::dvec3> polygon, glm::dvec3 normal, double ang
 // is nothing but rounding.
 inline double scaleOfCells(double factor, double weights) {
     return weights > 0 ? std::min(1.0, std::numbers::pi * factor / weights) : 0;
+}
+
+// Cells of a part of a view; work(centre, form factor).
+template<class Work>
+void forSamples(const PointView& view, std::span<const glm::dvec3> part, double angle, const Work& work) {
+    double weights = 0;
+    forCells(part, view.normal(), angle, [&](glm::dvec3, double weight) { weights += weight; });
+    const double scale = scaleOfCells(view.unhinderedFactor(part), weights) / std::numbers::pi;
+    forCells(part, view.normal(), angle,
+             [&](glm::dvec3 centre, double weight) { work(centre, scale * weight); });
 }
 
 } // namespace heliodon::compute

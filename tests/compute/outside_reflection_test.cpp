@@ -198,20 +198,41 @@ TEST(OutsideReflection, is_ground_light_and_has_the_colour_of_the_wall) {
                     1e-4 * lux(other.sensors[s].total()));
 }
 
+// Before a wall that fills its view a blind glows as much less as the wall is darker than the sky.
+TEST(OutsideReflection, blinds_glow_with_it) {
+    for (const char* state : {"fabric:0.3,0.4", "slats:30"}) {
+        geometry::PatchMesh mesh = test::roomWithWindow(1);
+        mesh.materials[1] = daylight::withBlind(mesh.materials[1], geometry::parseBlind(state));
+        DaylightTransport open(test::device(), mesh);
+        test::wallOutside(mesh, {5000, -100}, {-5000, -100}, -5000, 5000, 0.4f);
+        DaylightTransport behind(test::device(), mesh);
+        const Moment one = open.light(furnace(1000)), other = behind.light(furnace(1000));
+        ASSERT_FALSE(other.glow.empty());
+        for (size_t i = 0; i < mesh.patchCount(); ++i)
+            if (one.glow[i].y > 0) {
+                EXPECT_NEAR(other.glow[i].y / one.glow[i].y, 0.4, 0.01) << state << ", " << i;
+            }
+    }
+}
+
 // Hour by hour as moment by moment, also where the sun reaches what stands outside alone.
 TEST(OutsideReflection, years_have_it) {
-    DaylightTransport transport(test::device(), sceneOf("facade"));
-    const std::vector<daylight::Sky> hours = skies();
-    AnnualDaylight year(transport, hours, kSensors.size());
-    const size_t count = kSensors.size() * hours.size();
-    std::vector<float> all(count), sun(count), error(count);
-    year.sensors(kSensors, all, sun, error);
-    EXPECT_EQ(year.report().withSun, 2u);
-    for (size_t h = 0; h < hours.size(); ++h) {
-        const Moment moment = transport.light(hours[h]);
-        for (size_t s = 0; s < kSensors.size(); ++s) {
-            const double truth = lux(moment.sensors[s].total());
-            EXPECT_NEAR(all[s * hours.size() + h], truth, 4e-3 * truth) << h << ", " << s;
+    for (const char* state : {"open", "fabric:0.3,0.4", "slats:30"}) {
+        geometry::PatchMesh mesh = sceneOf("facade");
+        mesh.materials[1] = daylight::withBlind(mesh.materials[1], geometry::parseBlind(state));
+        DaylightTransport transport(test::device(), mesh);
+        const std::vector<daylight::Sky> hours = skies();
+        AnnualDaylight year(transport, hours, kSensors.size());
+        const size_t count = kSensors.size() * hours.size();
+        std::vector<float> all(count), sun(count), error(count);
+        year.sensors(kSensors, all, sun, error);
+        EXPECT_EQ(year.report().withSun, 2u);
+        for (size_t h = 0; h < hours.size(); ++h) {
+            const Moment moment = transport.light(hours[h]);
+            for (size_t s = 0; s < kSensors.size(); ++s) {
+                const double truth = lux(moment.sensors[s].total());
+                EXPECT_NEAR(all[s * hours.size() + h], truth, 4e-3 * truth) << state << h << ", " << s;
+            }
         }
     }
 }
