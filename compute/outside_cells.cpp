@@ -86,11 +86,14 @@ void OutsideCells::cutAll(std::span<const ConvexRegion> openings, std::span<cons
     for (const size_t r : bright) {
         const ConvexRegion& region = regions_[r];
         const dvec3 normal = normalOf(region);
+        const auto isAhead = [&](const ConvexRegion& opening) {
+            return std::ranges::any_of(
+                opening.corners, [&](const dvec3& p) { return glm::dot(p - region.corners[0], normal) > 0; });
+        };
+        const bool looksAtNone = std::ranges::none_of(openings, isAhead); // it lights others
         ahead.clear();
         for (const ConvexRegion& opening : openings)
-            if (std::ranges::any_of(opening.corners, [&](const dvec3& p) {
-                    return glm::dot(p - region.corners[0], normal) > 0;
-                }))
+            if (looksAtNone || isAhead(opening))
                 ahead.push_back(
                     {geometry::boundsOf(opening.corners),
                      kOfOpening * std::sqrt(0.5 * glm::length(geometry::areaVector(opening.corners)))});

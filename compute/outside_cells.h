@@ -34,9 +34,9 @@ public:
 
     OutsideCells() = default;
     // `regions` of outsideRegions, which stay as they are; those of black materials get no cells. A cell is
-    // halved until it is no longer than a quarter of its distance from the nearest opening that its front
-    // looks at, or than an eighth of that opening's root of the area; where there would be more than
-    // kMostCells, than some times as much.
+    // halved until it is no longer than a quarter of its distance from the nearest opening, of those that its
+    // front looks at if any, or than an eighth of that opening's root of the area; where there would be more
+    // than kMostCells, than some times as much.
     OutsideCells(const geometry::PatchMesh& mesh, std::vector<ConvexRegion> regions,
                  std::span<const ConvexRegion> openings);
 
