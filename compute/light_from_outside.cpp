@@ -228,8 +228,10 @@ std::vector<glm::vec3> LightFromOutside::outsideExitance(const daylight::Sky& sk
 
 void LightFromOutside::reflect(Moment& moment, const daylight::Sky& sky, const SensorGather& sensors) const {
     if (reflection_.isEmpty()) {
-        if (!mesh_.outside.triangles.empty())
-            moment.report.skipped.emplace_back("what stands outside: black, reflects nothing");
+        if (hasOpenings_)
+            moment.report.skipped.emplace_back(mesh_.outside.triangles.empty()
+                                                   ? "what stands outside: nothing"
+                                                   : "what stands outside: black, reflects nothing");
         return;
     }
     if (sky.isDark()) {

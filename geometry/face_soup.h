@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <vector>
 
 #include <glm/vec3.hpp>
@@ -16,6 +17,7 @@ struct SoupFace {
     uint32_t material = 0;
     Role role = Role::projection;
     uint32_t surface = 0, room = 0;
+    std::optional<uint32_t> behind; // of an open sheet: what its other side is drawn with
     int twinKey = -1; // faces with one key are the pieces of one window, on either side of its wall
 };
 

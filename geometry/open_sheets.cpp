@@ -71,7 +71,7 @@ std::optional<OpenSheets> openSheets(const std::vector<SoupFace>& faces,
             const size_t turned = drawn[0].empty() ? 1 : 0;
             const auto& other = drawn[drawn[1 - turned].empty() ? turned : 1 - turned];
             out.open.push_back(pieceOf(faces[drawn[turned][0]], sheets[s], turned));
-            out.behind.push_back(faces[other[0]].material);
+            out.open.back().behind = faces[other[0]].material;
             continue;
         }
         for (const size_t turned : {0u, 1u})

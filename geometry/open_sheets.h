@@ -12,7 +12,6 @@ namespace heliodon::geometry {
 struct OpenSheets {
     std::vector<SoupFace> closed; // what is left, each edge of two sheets or more
     std::vector<SoupFace> open;   // each piece once, also where it is drawn for both sides
-    std::vector<uint32_t> behind; // the material of each of these on its other side
 };
 
 // Takes off all that has an edge of its own, until nothing does, of the faces as they cut one another: the
