@@ -274,7 +274,8 @@ void SensorResponder::addOutside(const TransportParts& parts, const Smooth& smoo
                     answers[share.cell] +=
                         result.sun[b][(rows.glow + p.row) * sensors + s] * share.weight[axis];
             const float luminous = beams_ == 3 ? static_cast<float>(geometry::kLuminance[axis]) : 1;
-            for (const auto& own : {parts.sensorWalls[s], parts.near[s].walls})
+            for (const std::span<const OutsideShare> own :
+                 {std::span(parts.sensorWalls[s]), std::span<const OutsideShare>(parts.near[s].walls)})
                 for (const OutsideShare& share : own)
                     answers[share.cell] += beams_ == 3 ? luminous * share.weight[axis]
                                                        : static_cast<float>(photometric(share.weight));
