@@ -229,9 +229,12 @@ std::vector<glm::vec3> LightFromOutside::outsideExitance(const daylight::Sky& sk
 void LightFromOutside::reflect(Moment& moment, const daylight::Sky& sky, const SensorGather& sensors) const {
     if (reflection_.isEmpty()) {
         if (hasOpenings_)
-            moment.report.skipped.emplace_back(mesh_.outside.triangles.empty()
-                                                   ? "what stands outside: nothing"
-                                                   : "what stands outside: black, reflects nothing");
+            moment.report.skipped.emplace_back(
+                mesh_.outside.triangles.empty() ? "what stands outside: nothing"
+                : points_.outside().tooMany()
+                    ? fmt::format("what stands outside: more than {} surfaces, taken for black",
+                                  OutsideCells::kMostRegions)
+                    : "what stands outside: black, reflects nothing");
         return;
     }
     if (sky.isDark()) {

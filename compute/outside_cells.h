@@ -30,18 +30,20 @@ void mergeShares(std::vector<OutsideShare>& shares);
 
 class OutsideCells {
 public:
-    static constexpr size_t kMostCells = 2048;
+    static constexpr size_t kMostCells = 2048, kMostRegions = 600;
 
     OutsideCells() = default;
     // `regions` of outsideRegions, which stay as they are; those of black materials get no cells. A cell is
     // halved until it is no longer than a quarter of its distance from the nearest opening, of those that its
     // front looks at if any, or than an eighth of that opening's root of the area; where there would be more
-    // than kMostCells, than some times as much.
+    // than kMostCells, than some times as much. No cells where more than kMostRegions reflect, as leaves do:
+    // each may hide what all others send.
     OutsideCells(const geometry::PatchMesh& mesh, std::vector<ConvexRegion> regions,
                  std::span<const ConvexRegion> openings);
 
     std::span<const ConvexRegion> regions() const { return regions_; }
     std::span<const OutsideCell> cells() const { return cells_; }
+    bool tooMany() const { return tooMany_; }
     bool reflects(size_t region) const { return roots_[region] != kNone; }
     // Of a region that reflects, the cell that a point of it lies in.
     uint32_t cellAt(size_t region, glm::dvec3 point) const;
@@ -54,6 +56,7 @@ private:
         std::array<uint32_t, 2> child{}; // before the cut, and beyond it
         uint32_t cell = kNone;           // of a leaf
     };
+    bool tooMany_ = false;
     struct Opening;
     void cutAll(std::span<const ConvexRegion> openings, std::span<const size_t> bright, double coarser);
     uint32_t cut(std::vector<glm::dvec3> polygon, uint32_t region, std::span<const Opening> openings,

@@ -19,7 +19,8 @@ namespace {
 
 using glm::dvec3;
 
-constexpr double kLevel = 0.25; // of a normal: sills, roofs and slopes of up to 75 degrees
+constexpr double kLevel = 0.25;     // of a normal: sills, roofs and slopes of up to 75 degrees
+constexpr size_t kMostFully = 1000; // triangles: of more, as of terrain, those that matter most
 constexpr double kEverywhere = -std::numeric_limits<double>::infinity();
 
 using Triangle = std::array<dvec3, 3>;
@@ -43,54 +44,95 @@ std::vector<Pane> panesOf(const Building& building) {
     return out;
 }
 
-// The height from which on the triangle may hide something that matters from the pane: part of it lies before
-// that, and part of the pane before the triangle. But a slope below the pane's foot hides nothing but ground,
-// and is about as bright as that; its back is hidden by the ground before it.
-std::optional<double> shadesFrom(const Triangle& triangle, const Pane& pane, double tolerance) {
-    const dvec3 normal = glm::normalize(glm::cross(triangle[1] - triangle[0], triangle[2] - triangle[0]));
-    const bool level = std::abs(normal.y) > kLevel;
-    if (level && boundsOf(triangle).high.y <= pane.foot + tolerance) return std::nullopt;
-    if (std::ranges::none_of(
-            triangle, [&](dvec3 p) { return glm::dot(pane.corners[0] - p, pane.normal) > tolerance; }) ||
-        std::ranges::none_of(pane.corners,
-                             [&](dvec3 p) { return glm::dot(p - triangle[0], normal) > tolerance; }))
+struct Piece {
+    Triangle corners;
+    std::array<uint32_t, 3> at; // of the welded faces
+    uint32_t material;
+
+    dvec3 normal() const {
+        return glm::normalize(glm::cross(corners[1] - corners[0], corners[2] - corners[0]));
+    }
+};
+
+template<class Corners> bool isPartBefore(const Corners& corners, dvec3 at, dvec3 normal, double tolerance) {
+    return std::ranges::any_of(corners, [&](dvec3 p) { return glm::dot(p - at, normal) > tolerance; });
+}
+
+// The height from which on the triangle matters to the pane: part of it lies before that, and part of the
+// pane before the triangle. Of `terrain` a slope below the pane's foot hides nothing but ground, and is about
+// as bright as that; its back is hidden by the ground before it.
+std::optional<double> mattersFrom(const Piece& piece, const Pane& pane, bool terrain, double tolerance) {
+    const dvec3 normal = piece.normal();
+    const bool level = terrain && std::abs(normal.y) > kLevel;
+    if (level && boundsOf(piece.corners).high.y <= pane.foot + tolerance) return std::nullopt;
+    if (!isPartBefore(piece.corners, pane.corners[0], -pane.normal, tolerance) ||
+        !isPartBefore(pane.corners, piece.corners[0], normal, tolerance))
         return std::nullopt;
     return level ? pane.foot : kEverywhere;
 }
 
+bool lookAtOneAnother(const Piece& a, const Piece& b, double tolerance) {
+    return isPartBefore(a.corners, b.corners[0], b.normal(), tolerance) &&
+           isPartBefore(b.corners, a.corners[0], a.normal(), tolerance);
+}
+
+class Shade {
+public:
+    explicit Shade(std::vector<dvec3> vertices) { out_.vertices = std::move(vertices); }
+
+    void add(const Piece& piece) {
+        out_.triangles.insert(out_.triangles.end(), piece.at.begin(), piece.at.end());
+        out_.material.push_back(piece.material);
+    }
+    void addFrom(double height, const Piece& piece) {
+        clip<dvec3>(
+            piece.corners, [&](dvec3 p) { return p.y - height; }, above_);
+        const auto first = static_cast<uint32_t>(out_.vertices.size());
+        out_.vertices.insert(out_.vertices.end(), above_.begin(), above_.end());
+        for (uint32_t k = 1; k + 1 < above_.size(); ++k) {
+            out_.triangles.insert(out_.triangles.end(), {first, first + k, first + k + 1});
+            out_.material.push_back(piece.material);
+        }
+    }
+    Occluders done() { return out_.triangles.empty() ? Occluders{} : std::move(out_); }
+
+private:
+    Occluders out_;
+    std::vector<dvec3> above_;
+};
+
 } // namespace
 
 Occluders outsideShade(std::span<const SoupFace> faces, const Building& building, double tolerance) {
-    Occluders out;
-    if (faces.empty()) return out;
     const std::vector<Pane> panes = panesOf(building);
-    if (panes.empty()) return out;
+    if (faces.empty() || panes.empty()) return {};
     const Building welded = weldFaces({faces.begin(), faces.end()}, 1, tolerance);
-    out.vertices = welded.vertices;
-    std::vector<dvec3> above;
+    std::vector<Piece> seen, others;
     for (const Face& face : welded.faces)
-        for (const auto& t : triangulateFace(welded, face)) {
-            const Triangle corners{welded.vertices[t[0]], welded.vertices[t[1]], welded.vertices[t[2]]};
-            std::optional<double> from; // the lowest
-            for (const Pane& pane : panes)
-                if (const auto height = shadesFrom(corners, pane, tolerance))
-                    from = std::min(from.value_or(*height), *height);
-            if (!from) continue;
-            if (boundsOf(corners).low.y >= *from - tolerance) {
-                out.triangles.insert(out.triangles.end(), t.begin(), t.end());
-                out.material.push_back(face.material);
-                continue;
-            }
-            clip<dvec3>(
-                corners, [&](dvec3 p) { return p.y - *from; }, above);
-            const auto first = static_cast<uint32_t>(out.vertices.size());
-            out.vertices.insert(out.vertices.end(), above.begin(), above.end());
-            for (uint32_t k = 1; k + 1 < above.size(); ++k) {
-                out.triangles.insert(out.triangles.end(), {first, first + k, first + k + 1});
-                out.material.push_back(face.material);
-            }
-        }
-    return out.triangles.empty() ? Occluders{} : out;
+        for (const auto& t : triangulateFace(welded, face))
+            others.push_back(
+                {{welded.vertices[t[0]], welded.vertices[t[1]], welded.vertices[t[2]]}, t, face.material});
+    const bool terrain = others.size() > kMostFully;
+    Shade shade(welded.vertices);
+    std::erase_if(others, [&](const Piece& piece) {
+        std::optional<double> from; // the lowest
+        for (const Pane& pane : panes)
+            if (const auto height = mattersFrom(piece, pane, terrain, tolerance))
+                from = std::min(from.value_or(*height), *height);
+        if (!from) return false;
+        if (boundsOf(piece.corners).low.y >= *from - tolerance)
+            shade.add(piece);
+        else
+            shade.addFrom(*from, piece);
+        seen.push_back(piece);
+        return true;
+    });
+    if (!terrain)
+        for (const Piece& piece : others)
+            if (std::ranges::any_of(
+                    seen, [&](const Piece& other) { return lookAtOneAnother(piece, other, tolerance); }))
+                shade.add(piece);
+    return shade.done();
 }
 
 } // namespace heliodon::geometry
