@@ -10,6 +10,7 @@
 #include "geometry/clip_polygon.h"
 #include "geometry/face_crossing.h"
 #include "geometry/missing_sides.h"
+#include "geometry/outline_area.h"
 #include "geometry/shell_faces.h"
 
 namespace heliodon::geometry {
@@ -40,6 +41,12 @@ public:
     }
 
     Bounds box() const { return boundsOfFaces(walls_); }
+
+    bool crossesWindow(const FlatFace& face) const {
+        return tree_->anyHolding(face.box.high, face.box.low, [&](uint32_t i) {
+            return walls_[i].isWindow && facesCross(face, walls_[i], tolerance_);
+        });
+    }
 
     // Convex pieces of the face that lie in no room; none where it lies in none at all.
     std::optional<std::vector<FlatFace>> outside(const FlatFace& face) const {
@@ -187,6 +194,7 @@ GroundOutside groundOutside(const std::vector<SoupFace>& sheets, const Building&
         const auto pieces = cutter.outside(faces[k]);
         if (!pieces) continue;
         const SoupFace& sheet = sheets[faces[k].surface];
+        if (cutter.crossesWindow(faces[k])) out.onGlass = sheet.surface;
         isCut[faces[k].surface] = true;
         if (!out.surface) out.surface = sheet.surface;
         for (const FlatFace& piece : *pieces) {
@@ -196,6 +204,26 @@ GroundOutside groundOutside(const std::vector<SoupFace>& sheets, const Building&
     }
     for (size_t k = 0; k < sheets.size(); ++k)
         if (!isCut[k]) out.sheets.push_back(sheets[k]);
+    return out;
+}
+
+std::vector<SoupFace> withoutGround(const std::vector<SoupFace>& sheets, const Building& rooms,
+                                    double tolerance) {
+    const double least = kMuchLarger * areaFromAbove(boundsOfFaces(flatFacesOf(rooms)));
+    const Building welded = weldedByNumber(sheets, tolerance);
+    Building level = welded;
+    std::erase_if(level.faces, [&](const Face& face) {
+        const dvec3 area = areaVector(welded.vertices, face.loops[0]);
+        return !(std::abs(area.y) >= kLevel * glm::length(area));
+    });
+    const std::vector<FlatFace> flat = flatFacesOf(level);
+    const std::vector<Whole> wholes = wholesOf(level, flat);
+    std::vector<bool> isGround(sheets.size(), false);
+    for (size_t k = 0; k < flat.size(); ++k)
+        isGround[flat[k].surface] = areaFromAbove(wholes[k].box) >= least;
+    std::vector<SoupFace> out;
+    for (size_t k = 0; k < sheets.size(); ++k)
+        if (!isGround[k]) out.push_back(sheets[k]);
     return out;
 }
 

@@ -22,6 +22,7 @@ std::optional<OpenSheets> openGround(const std::vector<SoupFace>& faces,
 struct GroundOutside {
     std::vector<SoupFace> sheets;    // as given, what was ground in rooms left out
     std::optional<uint32_t> surface; // of a sheet that was cut; none where all are as given
+    std::optional<uint32_t> onGlass; // of one that would be, but runs through a window
 };
 
 // Cuts open sheets at the walls of rooms where what they hang together with is level for the most part and
@@ -30,5 +31,11 @@ struct GroundOutside {
 // runs through glass is left as it is. Within `tolerance` (metres) they touch. Cost: n log n, and sheets
 // times faces of rooms that they cross.
 GroundOutside groundOutside(const std::vector<SoupFace>& sheets, const Building& rooms, double tolerance);
+
+// Without what is level, hangs together by what is level too, and covers three times the area of all rooms or
+// more: floors and ceilings that walls alone join to the ground stay. Corners are one within `tolerance`
+// (metres). Cost: n log n.
+std::vector<SoupFace> withoutGround(const std::vector<SoupFace>& sheets, const Building& rooms,
+                                    double tolerance);
 
 } // namespace heliodon::geometry

@@ -158,14 +158,26 @@ private:
         if (!out) return std::nullopt;
         const GroundOutside ground = groundOutside(sheets.open, out->building, kPlanarOfExtent * extent_);
         if (ground.surface) out = roomsAmong(ground.sheets);
-        if (out) judge(ground, *out);
+        if (out) judge(ground, solidsAmong(sheets.closed, *out), *out);
+        return out;
+    }
+
+    // What is closed and bounds no room.
+    static std::vector<SoupFace> solidsAmong(const std::vector<SoupFace>& closed, const ModelRooms& rooms) {
+        const std::set<uint32_t> used(rooms.source.begin(), rooms.source.end());
+        std::vector<SoupFace> out;
+        std::ranges::copy_if(closed, std::back_inserter(out),
+                             [&](const SoupFace& face) { return !used.contains(face.surface); });
         return out;
     }
 
     // Warns of sheets, or throws where they are none that stand outside.
-    void judge(const GroundOutside& ground, ModelRooms& rooms) const {
+    void judge(const GroundOutside& ground, const std::vector<SoupFace>& solids, ModelRooms& rooms) const {
+        if (ground.onGlass)
+            throw InputError(model_.file, model_.place(*ground.onGlass),
+                             "the ground is drawn through the glass of a window, expected it to end there");
         const auto [fault, blind, loggia] =
-            judgeSheets(ground.sheets, rooms.building, lookIn(rooms), kPlanarOfExtent * extent_);
+            judgeSheets(ground.sheets, rooms.building, solids, lookIn(rooms), kPlanarOfExtent * extent_);
         if (fault)
             throw InputError(
                 model_.file, model_.place(fault->surface),

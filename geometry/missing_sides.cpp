@@ -27,21 +27,27 @@ constexpr double kOffVertical = 0.176; // tangent: up and down are four ways, no
 // Metres: of buildings neither an attic nor a hall says how high the least room is; lower are models.
 constexpr double kAttic = 1, kLowRoom = 2, kHighRoom = 3;
 constexpr double kFence = 2.05, kFenceOfRoom = 0.95; // metres, and at most that of the lowest room
+constexpr double kLowSpace = 1.6, kLowOfRoom = 0.8;  // likewise, on the mean: attics and dormers are lower
+constexpr double kNearFloor = 0.1;                   // of the height there: where roofs are about an attic
 
 class SideFinder {
 public:
     SideFinder(const Building& sheets, const std::vector<FlatFace>& ofSheets, const Building& rooms,
-               const std::vector<FlatFace>& ofRooms, bool looksIn, double tolerance)
+               const std::vector<FlatFace>& ofRooms, const std::vector<FlatFace>& solids, bool looksIn,
+               double tolerance)
         : sheets_(ofSheets), looksIn_(looksIn), tolerance_(tolerance) {
         height_ = heightOfLowRoom(rooms);
         fence_ = heightOfFences(height_);
+        low_ = std::min(kLowSpace, kLowOfRoom * height_);
         findWholes(sheets, boundsOfFaces(ofRooms).diagonal());
         std::vector<FlatFace> around, windows;
         for (size_t k = 0; k < sheets_.size(); ++k)
             if (!isSmall_[k]) around.push_back(sheets_[k]);
         around.insert(around.end(), ofRooms.begin(), ofRooms.end());
+        around.insert(around.end(), solids.begin(), solids.end());
         std::ranges::copy_if(ofRooms, std::back_inserter(windows), &FlatFace::isWindow);
         all_.emplace(trianglesOf(around), tolerance);
+        solids_.emplace(trianglesOf(solids), tolerance);
         windows_.emplace(trianglesOf(windows), tolerance);
     }
 
@@ -87,20 +93,43 @@ private:
         }
     }
 
+    struct Middle {
+        dvec3 p;
+        bool isLow = false; // no room unless it has floor and ceiling
+    };
     // Before a sheet, and half-way between what is above and below, no farther than a room is high: canopies
-    // with a border and roofs with a parapet are low. Without a ceiling above fences. None in what is lower.
-    std::optional<dvec3> middleBefore(dvec3 from, dvec3 way, double width) const {
+    // with a border and roofs with a parapet are low. Without a ceiling above fences.
+    Middle middleBefore(dvec3 from, dvec3 way, double width) const {
         const dvec3 p = from + std::min(0.5 * width, kLeastOfRoom * height_) * way, up(0, 1, 0);
-        const auto free = [&](dvec3 to) { return std::min(all_->nearest(p, to, height_), height_); };
-        const double above = free(up), below = free(-up);
-        if (above + below < fence_) return std::nullopt;
-        const double middle = 0.5 * (above - below);
+        const double above = freeTo(p, up), below = freeTo(p, -up), middle = 0.5 * (above - below);
         const bool hasNoCeiling = above == height_ && below < height_;
-        return p + (hasNoCeiling ? std::max(middle, fence_ - below) : middle) * up;
+        return {p + (hasNoCeiling ? std::max(middle, fence_ - below) : middle) * up, above + below < fence_};
+    }
+
+    // At most as high as a room is.
+    double freeTo(dvec3 p, dvec3 way) const { return std::min(all_->nearest(p, way, height_), height_); }
+
+    // Metres: over the floor about what is half-way up there, as far as something is about it and over it.
+    double meanHeight(dvec3 middle, double reach) const {
+        const dvec3 up(0, 1, 0);
+        const double below = freeTo(middle, -up);
+        const dvec3 p = middle - (1 - 2 * kNearFloor) * below * up;
+        double sum = 0, area = 0;
+        for (int k = 0; k < kAzimuths; ++k) {
+            const double off = all_->nearest(p, azimuth(k), reach);
+            if (!std::isfinite(off)) continue;
+            const dvec3 q = p + 2.0 / 3 * off * azimuth(k); // the middle of the sector
+            const double height = freeTo(q, up) + freeTo(q, -up);
+            if (height >= fence_) continue; // outside
+            sum += off * off * height;
+            area += off * off;
+        }
+        return area > 0 ? sum / area : 0;
     }
 
     struct Sides {
         double above = 0, below = 0, about = 0; // how much is closed, of 1, 1 and 4
+        bool isAllAbout = true;
     };
     Sides sidesAbout(dvec3 p, double reach) const {
         Sides out;
@@ -108,8 +137,11 @@ private:
             for (const double up : {1.0, -1.0})
                 if (all_->anyWithin(p, glm::normalize(dvec3(0, up, 0) + kOffVertical * aside), reach))
                     (up > 0 ? out.above : out.below) += 0.25;
-        for (int k = 0; k < kAzimuths; ++k)
-            if (all_->anyWithin(p, azimuth(k), reach)) out.about += 4.0 / kAzimuths;
+        for (int k = 0; k < kAzimuths; ++k) {
+            const bool isClosed = all_->anyWithin(p, azimuth(k), reach);
+            out.about += isClosed ? 4.0 / kAzimuths : 0;
+            out.isAllAbout = out.isAllAbout && isClosed;
+        }
         return out;
     }
 
@@ -130,20 +162,23 @@ private:
     Space before(dvec3 middle, dvec3 way, double reach) const { // the side of a sheet there
         const dvec3 from = middle + 2 * tolerance_ * way;
         const double width = all_->nearest(from, way, 2 * kLeastOfRoom * height_); // wider ones are as good
-        if (width < kLeastOfRoom * height_) return Space::none;
-        const auto p = middleBefore(from, way, width);
-        if (!p) return Space::none;
-        const Sides sides = sidesAbout(*p, reach);
+        if (width < kLeastOfRoom * height_ || solids_->enclose(from)) return Space::none;
+        const Middle middleOf = middleBefore(from, way, width);
+        const dvec3 p = middleOf.p;
+        const Sides sides = sidesAbout(p, reach);
         if (sides.above + sides.below + sides.about <= kEnclosed) return Space::none;
         const bool lacksWall = sides.above == 1 && sides.below == 1;
-        return lacksWall && seesWindow(*p) ? Space::loggia : Space::room;
+        if (middleOf.isLow && (!lacksWall || sides.isAllAbout || meanHeight(p, reach) < low_))
+            return Space::none;
+        return lacksWall && seesWindow(p) ? Space::loggia : Space::room;
     }
 
     const std::vector<FlatFace>& sheets_;
-    std::optional<TriangleRays> all_, windows_; // of what may be walls, of windows of rooms
+    std::optional<TriangleRays> all_, windows_,
+        solids_; // of what may be walls, of windows of rooms, as given
     bool looksIn_;
-    double tolerance_, height_ = 1e300, fence_ = 0; // the latter of a low room, of what is none
-    std::vector<double> reach_;                     // per sheet, as is
+    double tolerance_, height_ = 1e300, fence_ = 0, low_ = 0; // the first of a low room, of what is none
+    std::vector<double> reach_;                               // per sheet, as is
     std::vector<bool> isSmall_;
 };
 
@@ -167,9 +202,9 @@ double heightOfFences(double lowRoom) {
 }
 
 MissingSides missingSides(const Building& sheets, const std::vector<FlatFace>& ofSheets,
-                          const Building& rooms, const std::vector<FlatFace>& ofRooms, bool looksIn,
-                          double tolerance) {
-    return SideFinder(sheets, ofSheets, rooms, ofRooms, looksIn, tolerance).find();
+                          const Building& rooms, const std::vector<FlatFace>& ofRooms,
+                          const std::vector<FlatFace>& solids, bool looksIn, double tolerance) {
+    return SideFinder(sheets, ofSheets, rooms, ofRooms, solids, looksIn, tolerance).find();
 }
 
 } // namespace heliodon::geometry

@@ -15,6 +15,7 @@
 #include "geometry/clip_polygon.h"
 #include "geometry/face_crossing.h"
 #include "geometry/flat_faces.h"
+#include "geometry/ground_in_rooms.h"
 #include "geometry/missing_sides.h"
 #include "geometry/outline_area.h"
 #include "geometry/perpendicular.h"
@@ -108,13 +109,20 @@ private:
 
 } // namespace
 
-SheetVerdict judgeSheets(const std::vector<SoupFace>& sheets, const Building& rooms, bool looksIn,
-                         double tolerance) {
+SheetVerdict judgeSheets(const std::vector<SoupFace>& sheets, const Building& rooms,
+                         const std::vector<SoupFace>& solids, bool looksIn, double tolerance) {
     const Building welded = weldFaces(sheets, 1, tolerance, true);
-    const std::vector<FlatFace> ofSheets = flatFacesOf(welded), ofRooms = flatFacesOf(rooms);
+    const std::vector<FlatFace> ofSheets = flatFacesOf(welded), ofRooms = flatFacesOf(rooms),
+                                ofSolids = flatFacesOf(weldFaces(solids, 1, tolerance, true));
     const SheetJudge judge(ofSheets, ofRooms, tolerance);
     if (const auto fault = judge.fault()) return {fault, {}, {}};
-    const MissingSides missing = missingSides(welded, ofSheets, rooms, ofRooms, looksIn, tolerance);
+    MissingSides missing = missingSides(welded, ofSheets, rooms, ofRooms, ofSolids, looksIn, tolerance);
+    const std::vector<SoupFace> others = withoutGround(sheets, rooms, tolerance);
+    if (!missing.room && !others.empty() && others.size() < sheets.size()) {
+        const Building alone = weldFaces(others, 1, tolerance, true);
+        missing.room =
+            missingSides(alone, flatFacesOf(alone), rooms, ofRooms, ofSolids, looksIn, tolerance).room;
+    }
     if (missing.room)
         return {SheetFault{*missing.room, "encloses with others a space of a room's size, but for a side: "
                                           "does that lack its wall, floor or ceiling?"},

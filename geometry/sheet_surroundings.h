@@ -26,8 +26,10 @@ struct SheetVerdict {
 // No fault where no sheet lies in a room, crosses a face of one or lies on its glass, and they enclose no
 // space of a room's size but for one side or less (geometry/missing_sides): walls and ceiling beside a closed
 // room are a room that is not closed. `looksIn`: the faces of the rooms are drawn so that they look in.
-// Within `tolerance` (metres) all may touch. Cost: n log n, and sheets times faces of rooms that are near.
-SheetVerdict judgeSheets(const std::vector<SoupFace>& sheets, const Building& rooms, bool looksIn,
-                         double tolerance);
+// Nor do they without the ground, which may divide such a space into low ones (geometry/ground_in_rooms).
+// `solids`: closed bodies that stand outside, which may be the floor of such a space. Within `tolerance`
+// (metres) all may touch. Cost: n log n, and sheets times faces of rooms that are near.
+SheetVerdict judgeSheets(const std::vector<SoupFace>& sheets, const Building& rooms,
+                         const std::vector<SoupFace>& solids, bool looksIn, double tolerance);
 
 } // namespace heliodon::geometry

@@ -461,6 +461,73 @@ TEST(OpenSheets, a_room_without_one_of_its_walls_is_no_sheet) {
     EXPECT_THROW(alone.read(), InputError);
 }
 
+// Parts of it are as low as gardens with fences; as a solid the ground is its floor.
+TEST(OpenSheets, a_room_without_a_side_that_the_ground_divides_is_no_sheet) {
+    const auto isRefused = [](int without, const Sheets& around) {
+        Drawing drawing(false);
+        drawing.room(0, -1, true);
+        drawing.room(6, without, false);
+        around(drawing);
+        try {
+            drawing.read();
+        } catch (const InputError& error) {
+            return std::string(error.what()).find("but for a side") != std::string::npos;
+        }
+        return false;
+    };
+    for (int without = 0; without < 6; ++without) {
+        EXPECT_TRUE(isRefused(without, [](Drawing& d) { ground(d, 0.6); })) << without;
+        EXPECT_TRUE(isRefused(without, [](Drawing& d) { // terrain
+            for (int k = 0; k < 8; ++k)
+                d.sheet({-20, 0.6 - 0.1 * (k % 2), 6.0 * k - 20}, {0, 0.1 * (k % 2 * 2 - 1), 6}, {44, 0, 0});
+        })) << without;
+    }
+    EXPECT_TRUE(isRefused(3, [](Drawing& d) { d.sheet({6, 2, 0}, {4, 0, 0}, {0, 0, 5}); }));
+    const Sheets solid = [](Drawing& d) {
+        const dvec3 o(-20, -3, -20), x(44, 0, 0), y(0, 3, 0), z(0, 0, 45);
+        for (const auto& [at, u, v] : {std::tuple(o, x, z), std::tuple(o + y, z, x), std::tuple(o, y, x),
+                                       std::tuple(o, z, y), std::tuple(o + x, y, z), std::tuple(o + z, x, y)})
+            d.sheet(at, u, v);
+    };
+    EXPECT_TRUE(isRefused(3, solid));
+}
+
+// A garden between walls as high has no ceiling.
+TEST(OpenSheets, a_low_room_without_a_wall_is_no_sheet) {
+    for (const bool ceiling : {true, false}) {
+        Drawing drawing(false);
+        drawing.room(0, -1, true);
+        const dvec3 o(6, 0, 0), x(4, 0, 0), y(0, 2, 0), z(0, 0, 5);
+        for (const auto& [at, u, v] :
+             {std::tuple(o, z, x), std::tuple(o, y, z), std::tuple(o + x, z, y), std::tuple(o + z, y, x)})
+            drawing.sheet(at, u, v);
+        if (ceiling) {
+            drawing.sheet(o + y, x, z);
+            EXPECT_THROW(drawing.read(), InputError);
+        } else {
+            drawing.sheet(o, x, y);
+            expectOutside(drawing, "garden", "5", false);
+        }
+    }
+}
+
+// The pane is at 0.8 to 2 m.
+TEST(OpenSheets, the_ground_through_glass_is_refused_by_name) {
+    for (const double y : {0.6, 0.8, 0.9, 1.9, 2.0}) {
+        Drawing drawing(false);
+        drawing.room(0, -1, true);
+        ground(drawing, y);
+        std::string fault;
+        try {
+            drawing.read();
+        } catch (const InputError& error) {
+            fault = error.what();
+        }
+        EXPECT_EQ(fault.find("through the glass") != std::string::npos, y > 0.8 && y < 2) << y << fault;
+        EXPECT_EQ(fault.empty(), y <= 0.8 || y >= 2) << y << fault;
+    }
+}
+
 // However much larger than the closed one; three walls of four are a yard.
 TEST(OpenSheets, a_hall_without_its_ceiling_is_no_sheet) {
     for (const bool yard : {false, true}) {
