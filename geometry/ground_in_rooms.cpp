@@ -33,14 +33,14 @@ FlatFace flatFaceOf(const std::vector<dvec3>& corners, dvec3 normal) { // convex
 class GroundCutter {
 public:
     GroundCutter(const Building& rooms, double tolerance)
-        : walls_(flatFacesOf(rooms)), shells_(trianglesOf(walls_), tolerance),
+        : walls_(flatFacesOf(rooms)), box_(boundsOfFaces(walls_)), shells_(trianglesOf(walls_), tolerance),
           storey_(heightOfFences(heightOfLowRoom(rooms))), tolerance_(tolerance) {
         for (const FlatFace& wall : walls_)
             boxes_.push_back({wall.box.low - tolerance, wall.box.high + tolerance});
         tree_.emplace(boxes_);
     }
 
-    Bounds box() const { return boundsOfFaces(walls_); }
+    Bounds box() const { return box_; }
 
     bool crossesWindow(const FlatFace& face) const {
         return tree_->anyHolding(face.box.high, face.box.low, [&](uint32_t i) {
@@ -101,6 +101,7 @@ private:
     }
 
     std::vector<FlatFace> walls_;
+    Bounds box_;
     TriangleRays shells_;
     std::vector<Bounds> boxes_;
     std::optional<BoxTree> tree_;
@@ -148,6 +149,10 @@ std::map<uint32_t, Body> bodiesOf(const Building& welded, const std::vector<Flat
 
 } // namespace
 
+bool isMuchLarger(const Bounds& ground, const Bounds& rooms) {
+    return areaFromAbove(ground) >= kMuchLarger * areaFromAbove(rooms);
+}
+
 std::optional<OpenSheets> openGround(const std::vector<SoupFace>& faces,
                                      const std::function<bool(uint32_t)>& isGlass, double tolerance) {
     const Building welded = weldedByNumber(faces, tolerance);
@@ -161,8 +166,7 @@ std::optional<OpenSheets> openGround(const std::vector<SoupFace>& faces,
     if (house.low.x > house.high.x) return std::nullopt;
     const auto isGroundBody = [&](const Body& body) {
         return !body.hasGlass && body.isClosed && isLevel(body.whole) &&
-               body.whole.box.low.y < house.low.y - tolerance &&
-               areaFromAbove(body.whole.box) >= kMuchLarger * areaFromAbove(house);
+               body.whole.box.low.y < house.low.y - tolerance && isMuchLarger(body.whole.box, house);
     };
     OpenSheets out;
     std::vector<bool> isGround(faces.size(), false);
@@ -184,12 +188,11 @@ GroundOutside groundOutside(const std::vector<SoupFace>& sheets, const Building&
     const Building welded = weldedByNumber(sheets, tolerance);
     const std::vector<FlatFace> faces = flatFacesOf(welded);
     const std::vector<Whole> wholes = wholesOf(welded, faces);
-    const double least = kMuchLarger * areaFromAbove(cutter.box());
     GroundOutside out;
     std::vector<bool> isCut(sheets.size(), false);
     for (size_t k = 0; k < faces.size(); ++k) {
         if (std::abs(faces[k].normal.y) < kLevel || !isLevel(wholes[k]) ||
-            areaFromAbove(wholes[k].box) < least)
+            !isMuchLarger(wholes[k].box, cutter.box()))
             continue;
         const auto pieces = cutter.outside(faces[k]);
         if (!pieces) continue;
@@ -207,10 +210,9 @@ GroundOutside groundOutside(const std::vector<SoupFace>& sheets, const Building&
     return out;
 }
 
-std::vector<SoupFace> withoutGround(const std::vector<SoupFace>& sheets, const Building& rooms,
-                                    double tolerance) {
-    const double least = kMuchLarger * areaFromAbove(boundsOfFaces(flatFacesOf(rooms)));
-    const Building welded = weldedByNumber(sheets, tolerance);
+GroundAndOthers groundAmong(const std::vector<SoupFace>& faces, const Building& rooms, double tolerance) {
+    const Bounds house = boundsOfFaces(flatFacesOf(rooms));
+    const Building welded = weldedByNumber(faces, tolerance);
     Building level = welded;
     std::erase_if(level.faces, [&](const Face& face) {
         const dvec3 area = areaVector(welded.vertices, face.loops[0]);
@@ -218,12 +220,10 @@ std::vector<SoupFace> withoutGround(const std::vector<SoupFace>& sheets, const B
     });
     const std::vector<FlatFace> flat = flatFacesOf(level);
     const std::vector<Whole> wholes = wholesOf(level, flat);
-    std::vector<bool> isGround(sheets.size(), false);
-    for (size_t k = 0; k < flat.size(); ++k)
-        isGround[flat[k].surface] = areaFromAbove(wholes[k].box) >= least;
-    std::vector<SoupFace> out;
-    for (size_t k = 0; k < sheets.size(); ++k)
-        if (!isGround[k]) out.push_back(sheets[k]);
+    std::vector<bool> isGround(faces.size(), false);
+    for (size_t k = 0; k < flat.size(); ++k) isGround[flat[k].surface] = isMuchLarger(wholes[k].box, house);
+    GroundAndOthers out;
+    for (size_t k = 0; k < faces.size(); ++k) (isGround[k] ? out.ground : out.others).push_back(faces[k]);
     return out;
 }
 

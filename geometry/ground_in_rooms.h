@@ -6,11 +6,15 @@
 #include <optional>
 #include <vector>
 
+#include "geometry/bounds.h"
 #include "geometry/building.h"
 #include "geometry/face_soup.h"
 #include "geometry/open_sheets.h"
 
 namespace heliodon::geometry {
+
+// From above, as the ground is: three times the area of all rooms or more.
+bool isMuchLarger(const Bounds& ground, const Bounds& rooms);
 
 // Takes the ground off where it is drawn as a solid: what hangs together, is closed, has no glass (`isGlass`
 // of a material), is level for the most part, covers three times the area of all that has glass in walls, or
@@ -32,10 +36,13 @@ struct GroundOutside {
 // times faces of rooms that they cross.
 GroundOutside groundOutside(const std::vector<SoupFace>& sheets, const Building& rooms, double tolerance);
 
-// Without what is level, hangs together by what is level too, and covers three times the area of all rooms or
-// more: floors and ceilings that walls alone join to the ground stay. Corners are one within `tolerance`
+struct GroundAndOthers {
+    std::vector<SoupFace> ground, others;
+};
+
+// Ground is what is level, hangs together by what is level too, and covers three times the area of all rooms
+// or more: floors and ceilings that walls alone join to it are none. Corners are one within `tolerance`
 // (metres). Cost: n log n.
-std::vector<SoupFace> withoutGround(const std::vector<SoupFace>& sheets, const Building& rooms,
-                                    double tolerance);
+GroundAndOthers groundAmong(const std::vector<SoupFace>& faces, const Building& rooms, double tolerance);
 
 } // namespace heliodon::geometry

@@ -33,7 +33,7 @@ constexpr double kNearFloor = 0.1;                   // of the height there: whe
 class SideFinder {
 public:
     SideFinder(const Building& sheets, const std::vector<FlatFace>& ofSheets, const Building& rooms,
-               const std::vector<FlatFace>& ofRooms, const std::vector<FlatFace>& solids, bool looksIn,
+               const std::vector<FlatFace>& ofRooms, const std::vector<FlatFace>& solidGround, bool looksIn,
                double tolerance)
         : sheets_(ofSheets), looksIn_(looksIn), tolerance_(tolerance) {
         height_ = heightOfLowRoom(rooms);
@@ -44,10 +44,9 @@ public:
         for (size_t k = 0; k < sheets_.size(); ++k)
             if (!isSmall_[k]) around.push_back(sheets_[k]);
         around.insert(around.end(), ofRooms.begin(), ofRooms.end());
-        around.insert(around.end(), solids.begin(), solids.end());
+        around.insert(around.end(), solidGround.begin(), solidGround.end());
         std::ranges::copy_if(ofRooms, std::back_inserter(windows), &FlatFace::isWindow);
         all_.emplace(trianglesOf(around), tolerance);
-        solids_.emplace(trianglesOf(solids), tolerance);
         windows_.emplace(trianglesOf(windows), tolerance);
     }
 
@@ -162,7 +161,7 @@ private:
     Space before(dvec3 middle, dvec3 way, double reach) const { // the side of a sheet there
         const dvec3 from = middle + 2 * tolerance_ * way;
         const double width = all_->nearest(from, way, 2 * kLeastOfRoom * height_); // wider ones are as good
-        if (width < kLeastOfRoom * height_ || solids_->enclose(from)) return Space::none;
+        if (width < kLeastOfRoom * height_) return Space::none;
         const Middle middleOf = middleBefore(from, way, width);
         const dvec3 p = middleOf.p;
         const Sides sides = sidesAbout(p, reach);
@@ -175,7 +174,7 @@ private:
 
     const std::vector<FlatFace>& sheets_;
     std::optional<TriangleRays> all_, windows_,
-        solids_; // of what may be walls, of windows of rooms, as given
+        solidGround_; // of what may be walls, of windows of rooms, as given
     bool looksIn_;
     double tolerance_, height_ = 1e300, fence_ = 0, low_ = 0; // the first of a low room, of what is none
     std::vector<double> reach_;                               // per sheet, as is
@@ -203,8 +202,8 @@ double heightOfFences(double lowRoom) {
 
 MissingSides missingSides(const Building& sheets, const std::vector<FlatFace>& ofSheets,
                           const Building& rooms, const std::vector<FlatFace>& ofRooms,
-                          const std::vector<FlatFace>& solids, bool looksIn, double tolerance) {
-    return SideFinder(sheets, ofSheets, rooms, ofRooms, solids, looksIn, tolerance).find();
+                          const std::vector<FlatFace>& solidGround, bool looksIn, double tolerance) {
+    return SideFinder(sheets, ofSheets, rooms, ofRooms, solidGround, looksIn, tolerance).find();
 }
 
 } // namespace heliodon::geometry

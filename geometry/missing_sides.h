@@ -27,11 +27,11 @@ struct MissingSides {
 // No room is what is lower than people are, unless it has floor and ceiling and is 1.6 m high on the mean; or
 // has no ceiling and walls up to their height alone, as a garden with a fence, or whose walls are of parts
 // that do not hang together and are much smaller, as the leaves of a tree. `looksIn`: what is behind a sheet
-// is solid, as a neighbour without its floor. `ofSheets`, `ofRooms`, `solids`: flat faces, the last of closed
-// bodies that stand outside. Within `tolerance` (metres) they touch. Cost: n log n, some thousands of points
+// is solid, as a neighbour without its floor. `ofSheets`, `ofRooms`, `solidGround`: flat faces, the last of
+// ground that is no sheet. Within `tolerance` (metres) they touch. Cost: n log n, some thousands of points
 // each look about.
 MissingSides missingSides(const Building& sheets, const std::vector<FlatFace>& ofSheets,
                           const Building& rooms, const std::vector<FlatFace>& ofRooms,
-                          const std::vector<FlatFace>& solids, bool looksIn, double tolerance);
+                          const std::vector<FlatFace>& solidGround, bool looksIn, double tolerance);
 
 } // namespace heliodon::geometry

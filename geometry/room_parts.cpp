@@ -9,6 +9,7 @@
 
 #include "geometry/bounds.h"
 #include "geometry/counted.h"
+#include "geometry/ground_in_rooms.h"
 
 namespace heliodon::geometry {
 
@@ -63,9 +64,24 @@ private:
         return thin && stand.drawnThere && !agreed;
     }
 
-    // However large, as in nestShells(): a neighbour, the ground.
-    static bool isBodyOutside(const SpacePart& part, const SpacePart& largest) {
-        return contrary(part, largest) && part.glass == 0 && largest.window > 0;
+    // However large, as in nestShells(): a neighbour, the ground. That is told by its size, too, where rooms
+    // share faces that look out of them.
+    bool isBodyOutside(const SpacePart& part, const SpacePart& largest) const {
+        if (part.glass > 0 || largest.window == 0) return false;
+        if (contrary(part, largest)) return true;
+        if (largest.looksOut() || !part.looksOut()) return false;
+        const Bounds box = part.box(), house = boxOfWindows();
+        return box.low.y < house.low.y - tolerance_ && isMuchLarger(box, house);
+    }
+
+    Bounds boxOfWindows() const { // of what has them
+        Bounds out{dvec3(1e300), dvec3(-1e300)};
+        for (const auto& [id, part] : space_.parts) {
+            if (!isAir(id) || part.window == 0) continue;
+            const Bounds box = part.box();
+            out = {glm::min(out.low, box.low), glm::max(out.high, box.high)};
+        }
+        return out;
     }
 
     Stand standOf(uint32_t id) const {
@@ -235,8 +251,8 @@ private:
         }
     }
 
-    // What stands on a solid is one after that was found. Compared with the largest room, of those with windows
-    // where there are any: the ground below a house may be larger.
+    // What stands on a solid is one after that was found. Compared with the largest room, of those with
+    // windows where there are any: the ground below a house may be larger.
     template<class Nested> void findSolids(Nested nested) {
         const bool windows = std::ranges::any_of(
             space_.parts, [&](const auto& p) { return isAir(p.first) && p.second.window > 0; });

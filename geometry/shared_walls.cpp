@@ -5,7 +5,10 @@
 
 #include <fmt/format.h>
 
+#include "geometry/box_tree.h"
 #include "geometry/counted.h"
+#include "geometry/face_crossing.h"
+#include "geometry/flat_faces.h"
 #include "geometry/room_parts.h"
 #include "geometry/space_parts.h"
 
@@ -150,10 +153,36 @@ private:
 
 } // namespace
 
+namespace {
+
+bool anyCross(const std::vector<FlatFace>& faces, double tolerance) {
+    std::vector<Bounds> boxes;
+    for (const FlatFace& face : faces) boxes.push_back(face.box);
+    const BoxTree tree(boxes);
+    return std::ranges::any_of(faces, [&](const FlatFace& face) {
+        return tree.anyHolding(face.box.high, face.box.low,
+                               [&](uint32_t other) { return facesCross(face, faces[other], tolerance); });
+    });
+}
+
+// What encloses nothing though no edge is open, as something crosses its room: the ground.
+bool hasLostGlass(const std::vector<SoupFace>& faces, const std::function<bool(uint32_t)>& isGlass,
+                  const SpaceParts& space, double tolerance) {
+    for (uint32_t f = 0; f < space.welded.faces.size(); ++f) {
+        if (space.partAt(f, 0) != space.partAt(f, 1)) continue;
+        for (const auto& list : space.sheetOf(f).drawn)
+            if (std::ranges::any_of(list, [&](uint32_t k) { return isGlass(faces[k].material); }))
+                return anyCross(flatFacesOf(space.welded), tolerance);
+    }
+    return false;
+}
+
+} // namespace
+
 std::optional<SharedWalls> divideSpace(const std::vector<SoupFace>& faces,
                                        const std::function<bool(uint32_t)>& isGlass, double tolerance) {
     const auto space = partsOfSpace(faces, isGlass, tolerance);
-    if (!space) return std::nullopt;
+    if (!space || hasLostGlass(faces, isGlass, *space, tolerance)) return std::nullopt;
     const RoomParts rooms = roomsAmong(*space, tolerance);
     if (rooms.count == 0) return std::nullopt;
     return RoomSides(faces, isGlass, tolerance, *space, rooms).answer();

@@ -36,14 +36,15 @@ struct SharedWalls {
 // Solid is what was drawn into a room without regard to it (its floor or walls run on behind it) and stands
 // clear of its walls, unless it is not thin and its faces look into it as those of the room do; what is small
 // or thin and has faces that look out of it into such a room; a closed shell that touches nothing; what has
-// no glass and looks out, where the largest room with windows looks in, as a neighbour or the ground does; and
-// the inside of walls, however thick, round rooms whose windows lead through them to the outside; but
-// nothing that glass (`isGlass` of a material) parts from one room and no other, or from two others unless it
-// is the inside of a wall. Each such guess is a warning, and so is a room whose faces look the other way than
-// those of the largest. None where an edge is open, faces of one size and different materials look the same
-// way from one place, no part is bounded, or no face lies or ends on another. Cost: faces times planes, n^2
-// in one plane, and sheets times parts in each of the rounds that find solids: one more than solids stand on
-// one another.
+// no glass and looks out, where the largest room with windows looks in, as a neighbour or the ground does, or
+// does not look out and it is as large and low as the ground (isMuchLarger()); and the inside of walls,
+// however thick, round rooms whose windows lead through them to the outside; but nothing that glass
+// (`isGlass` of a material) parts from one room and no other, or from two others unless it is the inside of a
+// wall. Each such guess is a warning, and so is a room whose faces look the other way than those of the
+// largest. None where an edge is open, glass encloses nothing as faces cross, faces of one size and different
+// materials look the same way from one place, no part is bounded, or no face lies or ends on another. Cost:
+// faces times planes, n^2 in one plane, and sheets times parts in each of the rounds that find solids: one
+// more than solids stand on one another.
 std::optional<SharedWalls> divideSpace(const std::vector<SoupFace>& faces,
                                        const std::function<bool(uint32_t)>& isGlass, double tolerance);
 

@@ -112,16 +112,16 @@ private:
 SheetVerdict judgeSheets(const std::vector<SoupFace>& sheets, const Building& rooms,
                          const std::vector<SoupFace>& solids, bool looksIn, double tolerance) {
     const Building welded = weldFaces(sheets, 1, tolerance, true);
-    const std::vector<FlatFace> ofSheets = flatFacesOf(welded), ofRooms = flatFacesOf(rooms),
-                                ofSolids = flatFacesOf(weldFaces(solids, 1, tolerance, true));
+    const std::vector<FlatFace> ofSheets = flatFacesOf(welded), ofRooms = flatFacesOf(rooms);
     const SheetJudge judge(ofSheets, ofRooms, tolerance);
     if (const auto fault = judge.fault()) return {fault, {}, {}};
-    MissingSides missing = missingSides(welded, ofSheets, rooms, ofRooms, ofSolids, looksIn, tolerance);
-    const std::vector<SoupFace> others = withoutGround(sheets, rooms, tolerance);
-    if (!missing.room && !others.empty() && others.size() < sheets.size()) {
-        const Building alone = weldFaces(others, 1, tolerance, true);
-        missing.room =
-            missingSides(alone, flatFacesOf(alone), rooms, ofRooms, ofSolids, looksIn, tolerance).room;
+    const GroundAndOthers parts = groundAmong(sheets, rooms, tolerance);
+    const std::vector<FlatFace> solidGround =
+        flatFacesOf(weldFaces(groundAmong(solids, rooms, tolerance).ground, 1, tolerance, true));
+    MissingSides missing = missingSides(welded, ofSheets, rooms, ofRooms, solidGround, looksIn, tolerance);
+    if (!missing.room && parts.ground.size() + solidGround.size() > 0) {
+        const Building others = weldFaces(parts.others, 1, tolerance, true);
+        missing.room = missingSides(others, flatFacesOf(others), rooms, ofRooms, {}, looksIn, tolerance).room;
     }
     if (missing.room)
         return {SheetFault{*missing.room, "encloses with others a space of a room's size, but for a side: "
