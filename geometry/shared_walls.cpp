@@ -165,15 +165,10 @@ bool anyCross(const std::vector<FlatFace>& faces, double tolerance) {
     });
 }
 
-// What encloses nothing though no edge is open, as something crosses its room: the ground.
-bool hasLostGlass(const std::vector<SoupFace>& faces, const std::function<bool(uint32_t)>& isGlass,
-                  const SpaceParts& space, double tolerance) {
-    for (uint32_t f = 0; f < space.welded.faces.size(); ++f) {
-        if (space.partAt(f, 0) != space.partAt(f, 1)) continue;
-        for (const auto& list : space.sheetOf(f).drawn)
-            if (std::ranges::any_of(list, [&](uint32_t k) { return isGlass(faces[k].material); }))
-                return anyCross(flatFacesOf(space.welded), tolerance);
-    }
+// Whether faces enclose nothing though no edge is open, as something crosses their room: the ground.
+bool facesAreLost(const SpaceParts& space, double tolerance) {
+    for (uint32_t f = 0; f < space.welded.faces.size(); ++f)
+        if (space.partAt(f, 0) == space.partAt(f, 1)) return anyCross(flatFacesOf(space.welded), tolerance);
     return false;
 }
 
@@ -182,7 +177,7 @@ bool hasLostGlass(const std::vector<SoupFace>& faces, const std::function<bool(u
 std::optional<SharedWalls> divideSpace(const std::vector<SoupFace>& faces,
                                        const std::function<bool(uint32_t)>& isGlass, double tolerance) {
     const auto space = partsOfSpace(faces, isGlass, tolerance);
-    if (!space || hasLostGlass(faces, isGlass, *space, tolerance)) return std::nullopt;
+    if (!space || facesAreLost(*space, tolerance)) return std::nullopt;
     const RoomParts rooms = roomsAmong(*space, tolerance);
     if (rooms.count == 0) return std::nullopt;
     return RoomSides(faces, isGlass, tolerance, *space, rooms).answer();

@@ -41,10 +41,10 @@ struct SharedWalls {
 // however thick, round rooms whose windows lead through them to the outside; but nothing that glass
 // (`isGlass` of a material) parts from one room and no other, or from two others unless it is the inside of a
 // wall. Each such guess is a warning, and so is a room whose faces look the other way than those of the
-// largest. None where an edge is open, glass encloses nothing as faces cross, faces of one size and different
-// materials look the same way from one place, no part is bounded, or no face lies or ends on another. Cost:
-// faces times planes, n^2 in one plane, and sheets times parts in each of the rounds that find solids: one
-// more than solids stand on one another.
+// largest. None where an edge is open, some enclose nothing as they cross others, faces of one size and
+// different materials look the same way from one place, no part is bounded, or no face lies or ends on
+// another. Cost: faces times planes, n^2 in one plane, and sheets times parts in each of the rounds that find
+// solids: one more than solids stand on one another.
 std::optional<SharedWalls> divideSpace(const std::vector<SoupFace>& faces,
                                        const std::function<bool(uint32_t)>& isGlass, double tolerance);
 

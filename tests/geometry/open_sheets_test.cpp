@@ -512,17 +512,17 @@ TEST(OpenSheets, a_low_room_without_a_wall_is_no_sheet) {
 
 // One beside the other, on a common wall, its floor in the ground on which the other stands: whole.
 TEST(OpenSheets, a_closed_room_in_solid_ground_is_not_lost) {
-    Drawing drawing(false);
-    drawing.room(0, -1, true);
-    drawing.room(4, -1, true, 0, -1, 1.2);
-    solidGround(drawing);
-    const Building building = drawing.read();
-    EXPECT_EQ(building.roomCount, 2u);
-    EXPECT_NEAR(volume(meshBuilding(building, {300})), 100, 1e-4);
-    EXPECT_EQ(
-        std::ranges::count_if(
-            building.faces, [&](const Face& face) { return building.materials[face.material].isOpening(); }),
-        2);
+    for (const bool window : {true, false}) {
+        Drawing drawing(false);
+        drawing.room(0, -1, true);
+        drawing.room(4, -1, window, 0, -1, 1.2);
+        solidGround(drawing);
+        const Building building = drawing.read();
+        EXPECT_EQ(building.roomCount, 2u) << window;
+        EXPECT_NEAR(volume(meshBuilding(building, {300})), 100, 1e-4);
+        const auto isGlass = [&](const Face& face) { return building.materials[face.material].isOpening(); };
+        EXPECT_EQ(std::ranges::count_if(building.faces, isGlass), window ? 2 : 1);
+    }
 }
 
 // Also where the faces of a house say less: the floor of an attic looks out of the room below it. Where they
