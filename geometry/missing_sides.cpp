@@ -162,13 +162,11 @@ private:
         const dvec3 from = middle + 2 * tolerance_ * way;
         const double width = all_->nearest(from, way, 2 * kLeastOfRoom * height_); // wider ones are as good
         if (width < kLeastOfRoom * height_) return Space::none;
-        const Middle middleOf = middleBefore(from, way, width);
-        const dvec3 p = middleOf.p;
+        const auto [p, isLow] = middleBefore(from, way, width);
         const Sides sides = sidesAbout(p, reach);
         if (sides.above + sides.below + sides.about <= kEnclosed) return Space::none;
         const bool lacksWall = sides.above == 1 && sides.below == 1;
-        if (middleOf.isLow && (!lacksWall || sides.isAllAbout || meanHeight(p, reach) < low_))
-            return Space::none;
+        if (isLow && (!lacksWall || sides.isAllAbout || meanHeight(p, reach) < low_)) return Space::none;
         return lacksWall && seesWindow(p) ? Space::loggia : Space::room;
     }
 

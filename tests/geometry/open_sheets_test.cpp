@@ -78,11 +78,15 @@ void ground(Drawing& drawing, double y = 0) {
     drawing.sheet({-20, y, -20}, {0, 0, 45}, {44, 0, 0});
 }
 
-void solidGround(Drawing& drawing, bool looksIn = false) { // up to y = 0
-    const dvec3 o(-20, -3, -20), x(44, 0, 0), y(0, 3, 0), z(0, 0, 45);
+void solid(Drawing& drawing, dvec3 o, dvec3 size, bool looksIn = false) {
+    const dvec3 x(size.x, 0, 0), y(0, size.y, 0), z(0, 0, size.z);
     for (const auto& [at, u, v] : {std::tuple(o, x, z), std::tuple(o + y, z, x), std::tuple(o, y, x),
                                    std::tuple(o, z, y), std::tuple(o + x, y, z), std::tuple(o + z, x, y)})
         looksIn ? drawing.sheet(at, v, u) : drawing.sheet(at, u, v);
+}
+
+void solidGround(Drawing& drawing, bool looksIn = false) { // up to y = 0
+    solid(drawing, {-20, -3, -20}, {44, 3, 45}, looksIn);
 }
 
 void expectOutside(Drawing& drawing, const std::string& what, const std::string& count, bool shades = true) {
@@ -275,6 +279,15 @@ TEST(OpenSheets, a_neighbour_without_its_floor_stands_outside) {
                                    std::tuple(o, y, x), std::tuple(o + z, x, y)})
         drawing.sheet(at, u, v);
     expectOutside(drawing, "neighbour", "5");
+}
+
+// What of it lies in the solid has that all about it.
+TEST(OpenSheets, a_wall_through_a_solid_neighbour_stands_outside) {
+    Drawing drawing(false);
+    drawing.room(0, -1, true);
+    solid(drawing, {-5, 0, -12}, {14, 4, 4});
+    drawing.sheet({-5, 0, -10}, {14, 0, 0}, {0, 9, 0});
+    expectOutside(drawing, "wall", "1");
 }
 
 // Whichever way it is drawn, or for both sides, the one that the window sees hides the sky, once.
