@@ -32,9 +32,10 @@ FlatFace flatFaceOf(const std::vector<dvec3>& corners, dvec3 normal) { // convex
 
 class GroundCutter {
 public:
-    GroundCutter(const Building& rooms, double tolerance)
+    GroundCutter(const Building& rooms, double worldPerBuilding, double tolerance)
         : walls_(flatFacesOf(rooms)), box_(boundsOfFaces(walls_)), shells_(trianglesOf(walls_), tolerance),
-          storey_(heightOfFences(heightOfLowRoom(rooms))), tolerance_(tolerance) {
+          storey_(heightOfFences(heightOfLowRoom(rooms, worldPerBuilding), worldPerBuilding)),
+          tolerance_(tolerance) {
         for (const FlatFace& wall : walls_)
             boxes_.push_back({wall.box.low - tolerance, wall.box.high + tolerance});
         tree_.emplace(boxes_);
@@ -183,8 +184,9 @@ std::optional<OpenSheets> openGround(const std::vector<SoupFace>& faces,
     return out;
 }
 
-GroundOutside groundOutside(const std::vector<SoupFace>& sheets, const Building& rooms, double tolerance) {
-    const GroundCutter cutter(rooms, tolerance);
+GroundOutside groundOutside(const std::vector<SoupFace>& sheets, const Building& rooms,
+                            double worldPerBuilding, double tolerance) {
+    const GroundCutter cutter(rooms, worldPerBuilding, tolerance);
     const Building welded = weldedByNumber(sheets, tolerance);
     const std::vector<FlatFace> faces = flatFacesOf(welded);
     const std::vector<Whole> wholes = wholesOf(welded, faces);

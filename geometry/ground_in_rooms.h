@@ -32,9 +32,10 @@ struct GroundOutside {
 // Cuts open sheets at the walls of rooms where what they hang together with is level for the most part and
 // covers three times the area of all rooms or more. What of them lies in a room goes, where there is less
 // above or below it than a storey's height (geometry/missing_sides), so that it is no floor between two. What
-// runs through glass is left as it is. Within `tolerance` (metres) they touch. Cost: n log n, and sheets
-// times faces of rooms that they cross.
-GroundOutside groundOutside(const std::vector<SoupFace>& sheets, const Building& rooms, double tolerance);
+// runs through glass is left as it is. `worldPerBuilding`: world metres a metre of building. Within
+// `tolerance` (world metres) they touch. Cost: n log n, and sheets times faces of rooms that they cross.
+GroundOutside groundOutside(const std::vector<SoupFace>& sheets, const Building& rooms,
+                            double worldPerBuilding, double tolerance);
 
 struct GroundAndOthers {
     std::vector<SoupFace> ground, others;

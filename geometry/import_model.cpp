@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <glm/geometric.hpp>
 
+#include "geometry/bounds.h"
 #include "geometry/counted.h"
 #include "geometry/face_soup.h"
 #include "geometry/glass_panes.h"
@@ -36,13 +37,14 @@ constexpr double kMostOfGlass = 16;
 
 class ModelImporter {
 public:
-    ModelImporter(const std::filesystem::path& file, UpAxis up) : model_(readRawModel(file)) {
+    ModelImporter(const std::filesystem::path& file, UpAxis up, std::optional<double> givenScale)
+        : model_(readRawModel(file)), givenScale_(givenScale) {
         for (glm::dvec3& p : model_.vertices) p = worldFromModel(p, up);
         const double all = extentOf([](uint32_t) { return true; });
         if (!(all > 0)) throw InputError(model_.file, model_.place(0), "all faces lie in one point");
         const double glass = extentOf(isGlass_);
         extent_ = glass > 0 ? std::min(all, kMostOfGlass * glass) : all;
-        faces_ = flatFaces(model_, extent_);
+        faces_ = flatFaces(model_, extent_, worldPerBuilding(model_.vertices));
     }
 
     Building import(const std::function<void()>& beforePart) {
@@ -86,7 +88,11 @@ private:
         std::optional<uint32_t> without; // the first that bounds none
     };
 
-    // Diagonal of the faces of some materials, metres; negative where there are none.
+    double worldPerBuilding(std::span<const glm::dvec3> corners) const {
+        return givenScale_.value_or(assumedWorldPerBuilding(corners));
+    }
+
+    // Diagonal of the faces of some materials, world metres; negative where there are none.
     double extentOf(const std::function<bool(uint32_t)>& isOne) const {
         glm::dvec3 low(1e300), high(-1e300);
         for (size_t f = 0; f < model_.faceCount(); ++f) {
@@ -119,7 +125,7 @@ private:
         return {model_.file, model_.place(folded.first),
                 fmt::format("the face is not planar, it is bent by {:.2g} m: divide it into "
                             "triangles where it should fold",
-                            folded.second)};
+                            folded.second / worldPerBuilding(model_.vertices))};
     }
 
     // Where nothing but open sheets outside of them keeps the model from closing, or the ground drawn as a
@@ -156,7 +162,8 @@ private:
         };
         auto out = roomsAmong(sheets.open);
         if (!out) return std::nullopt;
-        const GroundOutside ground = groundOutside(sheets.open, out->building, kPlanarOfExtent * extent_);
+        const GroundOutside ground = groundOutside(
+            sheets.open, out->building, worldPerBuilding(out->building.vertices), kPlanarOfExtent * extent_);
         if (ground.surface) out = roomsAmong(ground.sheets);
         if (out) judge(ground, solidsAmong(sheets.closed, *out), *out);
         return out;
@@ -177,7 +184,8 @@ private:
             throw InputError(model_.file, model_.place(*ground.onGlass),
                              "the ground is drawn through the glass of a window, expected it to end there");
         const auto [fault, blind, loggia] =
-            judgeSheets(ground.sheets, rooms.building, solids, lookIn(rooms), kPlanarOfExtent * extent_);
+            judgeSheets(ground.sheets, rooms.building, solids, lookIn(rooms),
+                        worldPerBuilding(rooms.building.vertices), kPlanarOfExtent * extent_);
         if (fault)
             throw InputError(
                 model_.file, model_.place(fault->surface),
@@ -362,6 +370,7 @@ private:
     }
 
     RawModel model_;
+    std::optional<double> givenScale_; // world metres a metre of building
     std::function<bool(uint32_t)> isGlass_ = [this](uint32_t m) { return model_.materials[m].isOpening(); };
     ModelFaces faces_;
     std::set<uint32_t> strays_; // the first faces of glass that stands free, but not in a room
@@ -372,8 +381,15 @@ private:
 
 } // namespace
 
-Building importModel(const std::filesystem::path& file, UpAxis up, const std::function<void()>& beforePart) {
-    return ModelImporter(file, up).import(beforePart);
+double assumedWorldPerBuilding(std::span<const glm::dvec3> corners) {
+    constexpr double kLowestRoom = 1.0; // metres: nobody works in less
+    const Bounds box = boundsOf(corners);
+    return box.high.y - box.low.y < kLowestRoom ? 1.0 / 12 : 1.0;
+}
+
+Building importModel(const std::filesystem::path& file, UpAxis up, const std::function<void()>& beforePart,
+                     std::optional<double> worldPerBuilding) {
+    return ModelImporter(file, up, worldPerBuilding).import(beforePart);
 }
 
 } // namespace heliodon::geometry

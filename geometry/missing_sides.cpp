@@ -24,9 +24,9 @@ constexpr double kDeepLoggia = 1.5;    // of the lowest room's height
 constexpr int kLeastOfWindow = 2;      // of kAzimuths
 constexpr double kOffVertical = 0.176; // tangent: up and down are four ways, not along a joint
 
-// Metres: of buildings neither an attic nor a hall says how high the least room is; lower are models.
-constexpr double kAttic = 1, kLowRoom = 2, kHighRoom = 3;
-constexpr double kFence = 2.05, kFenceOfRoom = 0.95; // metres, and at most that of the lowest room
+// Metres of a building: neither an attic nor a hall says how high the least room is.
+constexpr double kLowRoom = 2, kHighRoom = 3;
+constexpr double kFence = 2.05, kFenceOfRoom = 0.95; // the same, and at most that of the lowest room
 constexpr double kLowSpace = 1.6, kLowOfRoom = 0.8;  // likewise, on the mean: attics and dormers are lower
 constexpr double kNearFloor = 0.1;                   // of the height there: where roofs are about an attic
 
@@ -34,11 +34,11 @@ class SideFinder {
 public:
     SideFinder(const Building& sheets, const std::vector<FlatFace>& ofSheets, const Building& rooms,
                const std::vector<FlatFace>& ofRooms, const std::vector<FlatFace>& solidGround, bool looksIn,
-               double tolerance)
+               double worldPerBuilding, double tolerance)
         : sheets_(ofSheets), looksIn_(looksIn), tolerance_(tolerance) {
-        height_ = heightOfLowRoom(rooms);
-        fence_ = heightOfFences(height_);
-        low_ = std::min(kLowSpace, kLowOfRoom * height_);
+        height_ = heightOfLowRoom(rooms, worldPerBuilding);
+        fence_ = heightOfFences(height_, worldPerBuilding);
+        low_ = std::min(kLowSpace * worldPerBuilding, kLowOfRoom * height_);
         findWholes(sheets, boundsOfFaces(ofRooms).diagonal());
         std::vector<FlatFace> around, windows;
         for (size_t k = 0; k < sheets_.size(); ++k)
@@ -181,7 +181,7 @@ private:
 
 } // namespace
 
-double heightOfLowRoom(const Building& rooms) {
+double heightOfLowRoom(const Building& rooms, double worldPerBuilding) {
     std::vector<glm::dvec2> range(rooms.roomCount, {1e300, -1e300}); // of heights
     for (const Face& face : rooms.faces)
         for (const uint32_t v : face.loops[0]) {
@@ -191,17 +191,19 @@ double heightOfLowRoom(const Building& rooms) {
         }
     double least = 1e300;
     for (const glm::dvec2 its : range) least = std::min(least, its.y - its.x);
-    return least > kAttic ? std::clamp(least, kLowRoom, kHighRoom) : least;
+    return std::clamp(least, kLowRoom * worldPerBuilding, kHighRoom * worldPerBuilding);
 }
 
-double heightOfFences(double lowRoom) {
-    return std::min(kFence, kFenceOfRoom * lowRoom);
+double heightOfFences(double lowRoom, double worldPerBuilding) {
+    return std::min(kFence * worldPerBuilding, kFenceOfRoom * lowRoom);
 }
 
 MissingSides missingSides(const Building& sheets, const std::vector<FlatFace>& ofSheets,
                           const Building& rooms, const std::vector<FlatFace>& ofRooms,
-                          const std::vector<FlatFace>& solidGround, bool looksIn, double tolerance) {
-    return SideFinder(sheets, ofSheets, rooms, ofRooms, solidGround, looksIn, tolerance).find();
+                          const std::vector<FlatFace>& solidGround, bool looksIn, double worldPerBuilding,
+                          double tolerance) {
+    return SideFinder(sheets, ofSheets, rooms, ofRooms, solidGround, looksIn, worldPerBuilding, tolerance)
+        .find();
 }
 
 } // namespace heliodon::geometry

@@ -10,11 +10,11 @@
 
 namespace heliodon::geometry {
 
-// Metres: of the lowest room, as it says how high rooms are: in a building between 2 and 3.
-double heightOfLowRoom(const Building& rooms);
+// World metres: of the lowest room, as it says how high rooms are: between 2 and 3 metres of building.
+double heightOfLowRoom(const Building& rooms, double worldPerBuilding);
 
-// Metres: what is lower is no room, beside rooms of which the lowest is so high.
-double heightOfFences(double lowRoom);
+// World metres: what is lower is no room, beside rooms of which the lowest is so high.
+double heightOfFences(double lowRoom, double worldPerBuilding);
 
 // SoupFace::surface of a sheet; none where nothing is such.
 struct MissingSides {
@@ -28,10 +28,11 @@ struct MissingSides {
 // has no ceiling and walls up to their height alone, as a garden with a fence, or whose walls are of parts
 // that do not hang together and are much smaller, as the leaves of a tree. `looksIn`: what is behind a sheet
 // is solid, as a neighbour without its floor. `ofSheets`, `ofRooms`, `solidGround`: flat faces, the last of
-// ground that is no sheet. Within `tolerance` (metres) they touch. Cost: n log n, some thousands of points
-// each look about.
+// ground that is no sheet. `worldPerBuilding`: world metres a metre of building. Within `tolerance` (world
+// metres) they touch. Cost: n log n, some thousands of points each look about.
 MissingSides missingSides(const Building& sheets, const std::vector<FlatFace>& ofSheets,
                           const Building& rooms, const std::vector<FlatFace>& ofRooms,
-                          const std::vector<FlatFace>& solidGround, bool looksIn, double tolerance);
+                          const std::vector<FlatFace>& solidGround, bool looksIn, double worldPerBuilding,
+                          double tolerance);
 
 } // namespace heliodon::geometry

@@ -99,15 +99,15 @@ struct Bent {
         if (count++ == 0) first = face;
         most = std::max(most, bend);
     }
-    std::string sentence(const std::string& where) const {
+    std::string sentence(double worldPerBuilding, const std::string& where) const {
         return fmt::format("{} bent by up to {:.2g} m{} {} divided into triangles", counted(count, "face"),
-                           most, where, count == 1 ? "was" : "were");
+                           most / worldPerBuilding, where, count == 1 ? "was" : "were");
     }
 };
 
 } // namespace
 
-ModelFaces flatFaces(const RawModel& model, double extent) {
+ModelFaces flatFaces(const RawModel& model, double extent, double worldPerBuilding) {
     ModelFaces out;
     Bent little, much;
     for (size_t i = 0; i < model.faceCount(); ++i) {
@@ -137,10 +137,11 @@ ModelFaces flatFaces(const RawModel& model, double extent) {
         if (widthOf(face.loops[0]) < kWeldOfExtent * extent) continue;
         for (SoupFace& piece : inTriangles(face)) out.outside.push_back(std::move(piece));
     }
-    if (little.count > 0) out.repair = little.sentence("");
+    if (little.count > 0) out.repair = little.sentence(worldPerBuilding, "");
     if (much.count > 0)
-        out.warning = much.sentence(fmt::format(" (the first at {})", model.place(much.first))) +
-                      ": where they should fold was guessed";
+        out.warning =
+            much.sentence(worldPerBuilding, fmt::format(" (the first at {})", model.place(much.first))) +
+            ": where they should fold was guessed";
     return out;
 }
 

@@ -20,12 +20,13 @@ struct ModelFaces {
     std::vector<SoupFace> outside; // of kOutsideGroup, flat too
     size_t dropped = 0;            // faces without area
     std::string repair, warning;   // of faces bent by little, and by more; empty where there are none
-    // By the face's number in the file, metres: bent so far that which corners its triangles join would make
-    // another room. Terrain may be.
+    // By the face's number in the file, world metres: bent so far that which corners its triangles join would
+    // make another room. Terrain may be.
     std::map<uint32_t, double> folded;
 };
 
-// Bent faces in triangles, both sides of a wall alike. `extent`: of the model, metres.
-ModelFaces flatFaces(const RawModel& model, double extent);
+// Bent faces in triangles, both sides of a wall alike. `extent`: of the model, world metres. Sentences state
+// metres of building, of `worldPerBuilding` world metres each.
+ModelFaces flatFaces(const RawModel& model, double extent, double worldPerBuilding);
 
 } // namespace heliodon::geometry

@@ -8,6 +8,8 @@
 
 #include <filesystem>
 #include <functional>
+#include <optional>
+#include <span>
 #include <vector>
 
 #include <glm/vec3.hpp>
@@ -29,13 +31,17 @@ glm::dvec3 worldFromModel(glm::dvec3 p, UpAxis up);
 // for what writeModel() wrote of PatchMesh::outside. No closure is asked for. Throws InputError.
 PatchMesh readPatches(const std::filesystem::path& file, UpAxis up = UpAxis::y);
 
+// World metres a metre of building, where nobody says it: rooms less than a metre high are of the table's
+// size, 12 times smaller than what they stand for.
+double assumedWorldPerBuilding(std::span<const glm::dvec3> corners);
+
 // The model as closed rooms: duplicate vertices welded, T-vertices split, flipped faces turned where that is
 // safe; otherwise refused with the faces named. A model that is not closed is refused. Throws
 // InputError. `beforePart` is called before each part of the work (1 s of 300,000 faces); what it throws ends
-// the work.
+// the work. `worldPerBuilding` tells what is as large as people and storeys are; none: assumed of the rooms.
 Building importModel(
-    const std::filesystem::path& file, UpAxis up = UpAxis::y,
-    const std::function<void()>& beforePart = [] {});
+    const std::filesystem::path& file, UpAxis up = UpAxis::y, const std::function<void()>& beforePart = [] {},
+    std::optional<double> worldPerBuilding = {});
 
 // Files of materials that reading a model reads, too: none but of an .obj. Throws InputError where the .obj
 // is no text.

@@ -110,7 +110,8 @@ private:
 } // namespace
 
 SheetVerdict judgeSheets(const std::vector<SoupFace>& sheets, const Building& rooms,
-                         const std::vector<SoupFace>& solids, bool looksIn, double tolerance) {
+                         const std::vector<SoupFace>& solids, bool looksIn, double worldPerBuilding,
+                         double tolerance) {
     const Building welded = weldFaces(sheets, 1, tolerance, true);
     const std::vector<FlatFace> ofSheets = flatFacesOf(welded), ofRooms = flatFacesOf(rooms);
     const SheetJudge judge(ofSheets, ofRooms, tolerance);
@@ -118,10 +119,13 @@ SheetVerdict judgeSheets(const std::vector<SoupFace>& sheets, const Building& ro
     const GroundAndOthers parts = groundAmong(sheets, rooms, tolerance);
     const std::vector<FlatFace> solidGround =
         flatFacesOf(weldFaces(groundAmong(solids, rooms, tolerance).ground, 1, tolerance, true));
-    MissingSides missing = missingSides(welded, ofSheets, rooms, ofRooms, solidGround, looksIn, tolerance);
+    MissingSides missing =
+        missingSides(welded, ofSheets, rooms, ofRooms, solidGround, looksIn, worldPerBuilding, tolerance);
     if (!missing.room && parts.ground.size() + solidGround.size() > 0) {
         const Building others = weldFaces(parts.others, 1, tolerance, true);
-        missing.room = missingSides(others, flatFacesOf(others), rooms, ofRooms, {}, looksIn, tolerance).room;
+        missing.room = missingSides(others, flatFacesOf(others), rooms, ofRooms, {}, looksIn,
+                                    worldPerBuilding, tolerance)
+                           .room;
     }
     if (missing.room)
         return {SheetFault{*missing.room, "encloses with others a space of a room's size, but for a side: "

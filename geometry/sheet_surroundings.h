@@ -27,9 +27,11 @@ struct SheetVerdict {
 // space of a room's size but for one side or less (geometry/missing_sides): walls and ceiling beside a closed
 // room are a room that is not closed. `looksIn`: the faces of the rooms are drawn so that they look in.
 // Nor do they without the ground, which may divide such a space into low ones (geometry/ground_in_rooms).
-// `solids`: closed bodies that stand outside; the ground among them may be the floor of such a space. Within
-// `tolerance` (metres) all may touch. Cost: n log n, and sheets times faces of rooms that are near.
+// `solids`: closed bodies that stand outside; the ground among them may be the floor of such a space.
+// `worldPerBuilding`: world metres a metre of building. Within `tolerance` (world metres) all may touch.
+// Cost: n log n, and sheets times faces of rooms that are near.
 SheetVerdict judgeSheets(const std::vector<SoupFace>& sheets, const Building& rooms,
-                         const std::vector<SoupFace>& solids, bool looksIn, double tolerance);
+                         const std::vector<SoupFace>& solids, bool looksIn, double worldPerBuilding,
+                         double tolerance);
 
 } // namespace heliodon::geometry

@@ -84,24 +84,22 @@ std::string signOfLying(const geometry::PatchMesh& mesh, double worldPerBuilding
 
 double modelScale(Run& run, const std::optional<double>& given, const geometry::Building& building) {
     if (given) return 1 / *given;
-    constexpr double kLowestRoom = 1.0; // metres: nobody works in less
-    constexpr double kTallRoom = 6.5;   // few work in higher rooms: a file in other units
-    const geometry::Bounds box = geometry::boundsOf(building.vertices);
-    const double height = box.high.y - box.low.y, room = lowestRoom(building);
-    const bool small = height < kLowestRoom;
+    constexpr double kTallRoom = 6.5; // few work in higher rooms: a file in other units
+    const double scale = geometry::assumedWorldPerBuilding(building.vertices), room = lowestRoom(building);
+    const bool small = scale < 1;
     const bool large = room > kTallRoom;
     std::string what = small ? "model 12 times smaller than its building" : "model as large as its building";
     if (large) {
         constexpr double kFeet = 20, kInches = 150, kCentimetres = 1000; // rooms of 6 m, 4 m and 10 m
-        const auto [unit, scale] = room < kFeet          ? std::pair("feet", "0.3048")
-                                   : room < kInches      ? std::pair("inches", "0.0254")
-                                   : room < kCentimetres ? std::pair("centimetres", "0.01")
-                                                         : std::pair("millimetres", "0.001");
+        const auto [unit, metres] = room < kFeet          ? std::pair("feet", "0.3048")
+                                    : room < kInches      ? std::pair("inches", "0.0254")
+                                    : room < kCentimetres ? std::pair("centimetres", "0.01")
+                                                          : std::pair("millimetres", "0.001");
         what += fmt::format(", whose rooms are {:.4g} m high and more; for one in {} give --model-scale {}",
-                            room, unit, scale);
+                            room, unit, metres);
     }
     run.assume(what, small || large);
-    return small ? 1.0 / 12 : 1.0;
+    return scale;
 }
 
 void warnOfLying(Run& run, const geometry::PatchMesh& mesh, double worldPerBuilding, geometry::UpAxis up) {

@@ -10,9 +10,8 @@
 
 namespace heliodon::app {
 
-// World metres a metre of building: 1 / `given`, else what is assumed, and said: a model less than a metre
-// high is one of the table's size, 12 times smaller than what it stands for; of one whose rooms are all
-// higher than 6.5 m the unit is named that it seems to be in.
+// World metres a metre of building: 1 / `given`, else geometry::assumedWorldPerBuilding(), and said; of a
+// model whose rooms are all higher than 6.5 m the unit is named that it seems to be in.
 double modelScale(Run& run, const std::optional<double>& given, const geometry::Building& building);
 
 // Warns where floors and ceilings, by name, stand upright, windows lie in a floor, or the model has the size

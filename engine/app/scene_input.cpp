@@ -141,7 +141,9 @@ void reportMesh(Run& run, const geometry::PatchMesh& own, const geometry::PatchM
 geometry::Building importOrRefuse(Run& run, const SceneArguments& arguments, geometry::UpAxis up) {
     const StageTimer timer(run, "model");
     try {
-        return geometry::importModel(arguments.input, up, throwIfInterrupted);
+        const std::optional<double>& scale = arguments.modelScale;
+        return geometry::importModel(arguments.input, up, throwIfInterrupted,
+                                     scale ? std::optional(1 / *scale) : std::nullopt);
     } catch (const InputError& error) {
         run.report()["outcome"] = "refuse";
         run.report()["code"] = "BAD_MODEL";

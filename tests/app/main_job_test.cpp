@@ -99,6 +99,17 @@ TEST_F(MainJob, a_model_is_taken_at_the_scale_that_is_given_or_assumed) {
     EXPECT_NEAR(lumensAt("--model-scale 12"), 144 * asItIs, 1e-6 * asItIs);
 }
 
+TEST_F(MainJob, fences_of_a_model_in_centimetres_are_no_walls) {
+    std::ofstream(in("garden.obj"))
+        << "v 0 0 0\nv 400 0 0\nv 400 300 0\nv 0 300 0\nv 0 0 500\nv 400 0 500\nv 400 300 500\nv 0 300 500\n"
+        << "f 1 2 3 4\nf 8 7 6 5\nf 1 5 6 2\nf 2 6 7 3\nf 3 7 8 4\nf 4 8 5 1\n"
+        << "v -900 0 -900\nv 1400 0 -900\nv 1400 0 1400\nv -900 0 1400\n"
+        << "v -900 180 -900\nv 1400 180 -900\nv 1400 180 1400\nv -900 180 1400\n"
+        << "f 9 12 11 10\nf 9 10 14 13\nf 10 11 15 14\nf 11 12 16 15\nf 12 9 13 16\n";
+    run("model " + in("garden.obj") + " --model-scale 0.01 -o " + in("m.obj") + " --report " + in("r.json"));
+    EXPECT_EQ(report("r.json")["n_rooms"], 1);
+}
+
 TEST_F(MainJob, a_sketch_without_an_arrow_is_said_to_have_its_north_assumed) {
     const auto assumedWith = [&](const std::string& options) {
         run("illuminance " HELIODON_TEST_DATA "/geometry/sketches/garden_l.json --triangles 100 -o " +

@@ -4,6 +4,7 @@
 #include <fstream>
 #include <functional>
 #include <map>
+#include <optional>
 #include <random>
 #include <sstream>
 #include <string>
@@ -11,6 +12,7 @@
 #include <vector>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <gtest/gtest.h>
 
 #include "geometry/input_error.h"
@@ -27,8 +29,8 @@ class Drawing {
 public:
     double deep = 5; // rooms are
 
-    // All faces turned over: drawn to be seen from outside, as some programs do.
-    explicit Drawing(bool over) : over_(over) {
+    // All faces turned over: drawn to be seen from outside, as some programs do. In so many units a metre.
+    explicit Drawing(bool over, double units = 1) : over_(over), units_(units) {
         std::ofstream(testing::TempDir() + "sheets.mtl")
             << "newmtl wall\nKd .6 .6 .6\nnewmtl paint\nKd .1 .2 .3\nnewmtl glass\nTf .8 .8 .8\nNi 1.52\n";
         out_ << "mtllib sheets.mtl\n";
@@ -37,7 +39,10 @@ public:
     void face(const char* material, std::vector<dvec3> corners) {
         if (over_) std::ranges::reverse(corners);
         out_ << "usemtl " << material << '\n';
-        for (const dvec3 p : corners) out_ << fmt::format("v {:.9g} {:.9g} {:.9g}\n", p.x, p.y, p.z);
+        for (const dvec3& corner : corners) {
+            const dvec3 p = units_ * corner;
+            out_ << fmt::format("v {:.9g} {:.9g} {:.9g}\n", p.x, p.y, p.z);
+        }
         out_ << "f";
         for (size_t k = 0; k < corners.size(); ++k) out_ << ' ' << next_++;
         out_ << '\n';
@@ -63,19 +68,30 @@ public:
         face("glass", {pane.begin(), pane.end()});
     }
 
-    Building read() {
+    Building read(std::optional<double> worldPerBuilding = {}) {
         std::ofstream(testing::TempDir() + "sheets.obj") << out_.str();
-        return importModel(testing::TempDir() + "sheets.obj");
+        return importModel(
+            testing::TempDir() + "sheets.obj", UpAxis::y, [] {}, worldPerBuilding);
     }
 
 private:
     std::ostringstream out_;
     bool over_;
+    double units_;
     int next_ = 1;
 };
 
 void ground(Drawing& drawing, double y = 0) {
     drawing.sheet({-20, y, -20}, {0, 0, 45}, {44, 0, 0});
+}
+
+// With a gate, on the ground.
+void fence(Drawing& drawing, double height) {
+    ground(drawing);
+    const dvec3 up(0, height, 0), x(1, 0, 0), z(0, 0, 1);
+    drawing.sheet({-6, 0, -6}, 16.0 * x, up), drawing.sheet({-6, 0, 11}, 16.0 * x, up);
+    drawing.sheet({-6, 0, -6}, 17.0 * z, up);
+    drawing.sheet({10, 0, -6}, 7.0 * z, up), drawing.sheet({10, 0, 2}, 9.0 * z, up);
 }
 
 void solid(Drawing& drawing, dvec3 o, dvec3 size, bool looksIn = false) {
@@ -87,6 +103,12 @@ void solid(Drawing& drawing, dvec3 o, dvec3 size, bool looksIn = false) {
 
 void solidGround(Drawing& drawing, bool looksIn = false) { // up to y = 0
     solid(drawing, {-20, -3, -20}, {44, 3, 45}, looksIn);
+}
+
+void attic(Drawing& drawing) { // one gable is open
+    drawing.sheet({0, 2.5, 0}, {4, 0, 0}, {0, 1.5, 2.5}),
+        drawing.sheet({0, 2.5, 5}, {4, 0, 0}, {0, 1.5, -2.5});
+    drawing.face("wall", {{0, 2.5, 0}, {0, 2.5, 5}, {0, 4, 2.5}});
 }
 
 void expectOutside(Drawing& drawing, const std::string& what, const std::string& count, bool shades = true) {
@@ -349,20 +371,9 @@ TEST(OpenSheets, slopes_of_terrain_hide_the_sky_alone) {
 // Without a ceiling what is no higher than people is no room, and neither is what is low.
 TEST(OpenSheets, fences_hedges_and_low_attics_are_no_rooms) {
     const dvec3 x(1, 0, 0), y(0, 1, 0), z(0, 0, 1);
-    const auto fence = [&](Drawing& d, double height) { // with a gate, on the ground
-        ground(d);
-        const dvec3 up = height * y;
-        d.sheet({-6, 0, -6}, 16.0 * x, up), d.sheet({-6, 0, 11}, 16.0 * x, up);
-        d.sheet({-6, 0, -6}, 17.0 * z, up);
-        d.sheet({10, 0, -6}, 7.0 * z, up), d.sheet({10, 0, 2}, 9.0 * z, up);
-    };
     const Sheets hedges = [&](Drawing& d) {
         ground(d);
         d.sheet({-9, 0, -6}, 22.0 * x, 1.8 * y), d.sheet({-9, 0, -6.8}, 22.0 * x, 1.8 * y);
-    };
-    const Sheets attic = [&](Drawing& d) { // one gable is open
-        d.sheet({0, 2.5, 0}, 4.0 * x, {0, 1.5, 2.5}), d.sheet({0, 2.5, 5}, 4.0 * x, {0, 1.5, -2.5});
-        d.face("wall", {{0, 2.5, 0}, {0, 2.5, 5}, {0, 4, 2.5}});
     };
     const auto lacksFront = [](Drawing& d, dvec3 o, dvec3 size) { // nor has it a floor
         const dvec3 right(size.x, 0, 0), up(0, size.y, 0), back(0, 0, size.z);
@@ -388,6 +399,46 @@ TEST(OpenSheets, fences_hedges_and_low_attics_are_no_rooms) {
     yard.room(0, -1, true);
     fence(yard, 2.3);
     EXPECT_THROW(yard.read(), InputError);
+}
+
+// In centimetres, millimetres, feet and inches, at half its size, and on the table, said or not.
+TEST(OpenSheets, a_model_in_another_unit_is_the_same_building) {
+    const auto bentGround = [](Drawing& d) { // through the room
+        for (int k = 0; k < 4; ++k) {
+            const double left = k % 2 * 22 - 20, back = k / 2 * 22 - 20;
+            d.face("wall", {{left, 0.4, back},
+                            {left, 0.4, back + 22},
+                            {left + 22, 0.7, back + 22},
+                            {left + 22, 0.4, back}});
+        }
+    };
+    const std::map<std::string, Sheets> cases{
+        {"garden", [](Drawing& d) { fence(d, 1.8); }},
+        {"yard", [](Drawing& d) { fence(d, 2.3); }},
+        {"attic", attic},
+        {"low garden and bent ground", [&](Drawing& d) {
+             d.sheet({-6, 0, -6}, {16, 0, 0}, {0, 1.8, 0}), bentGround(d);
+         }}};
+    const auto told = [](const Sheets& around, double units, std::optional<double> worldPerBuilding) {
+        Drawing drawing(false, units);
+        drawing.room(0, -1, true);
+        around(drawing);
+        try {
+            const Building building = drawing.read(worldPerBuilding);
+            const double size = volume(meshBuilding(building, {300})) / (units * units * units);
+            return fmt::format("{} {:.3f} {}", building.roomCount, size, fmt::join(building.warnings, "; "));
+        } catch (const InputError& error) {
+            return std::string(error.what());
+        }
+    };
+    for (const auto& [what, around] : cases) {
+        const std::string inMetres = told(around, 1, 1);
+        EXPECT_EQ(inMetres.starts_with("1 50.000 "), what != "yard") << inMetres;
+        for (const double units : {100.0, 1000.0, 1 / 0.3048, 1 / 0.0254, 0.5, 1.0 / 12})
+            EXPECT_EQ(told(around, units, units), inMetres) << what << ' ' << units;
+        EXPECT_EQ(told(around, 1.0 / 12, {}), inMetres) << what;
+        EXPECT_EQ(told(around, 1, {}), inMetres) << what;
+    }
 }
 
 // A balcony between walls and under a slab: the same without a window behind it is a room without its wall.
