@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <numbers>
 
-#include <fmt/format.h>
 #include <glm/geometric.hpp>
 
 #include "compute/daylight/horizon_ribbon.h"
@@ -228,21 +227,14 @@ std::vector<glm::vec3> LightFromOutside::outsideExitance(const daylight::Sky& sk
 
 void LightFromOutside::reflect(Moment& moment, const daylight::Sky& sky, const SensorGather& sensors) const {
     if (reflection_.isEmpty()) {
-        if (hasOpenings_)
-            moment.report.skipped.emplace_back(
-                mesh_.outside.triangles.empty() ? "what stands outside: nothing"
-                : points_.outside().tooMany()
-                    ? fmt::format("what stands outside: more than {} surfaces, taken for black",
-                                  OutsideCells::kMostRegions)
-                    : "what stands outside: black, reflects nothing");
+        if (hasOpenings_) moment.report.skipped.push_back(reflection_.inWords());
         return;
     }
     if (sky.isDark()) {
         moment.report.skipped.emplace_back("what stands outside: dark");
         return;
     }
-    moment.report.modelled.push_back(
-        fmt::format("what stands outside: reflected light of {} cells", reflection_.cells().size()));
+    moment.report.modelled.push_back(reflection_.inWords());
     const std::vector<glm::vec3> exitance = outsideExitance(sky);
     for (size_t i = 0; i < patchSky_.walls.size(); ++i) {
         const glm::vec3 lux = received(patchSky_.walls[i], exitance);

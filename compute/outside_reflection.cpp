@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include <fmt/format.h>
 #include <glm/geometric.hpp>
 
 #include "compute/outside_walls.h"
@@ -170,6 +171,14 @@ bool OutsideReflection::isGrey() const {
     return std::ranges::all_of(cells(), [&](const OutsideCell& c) {
         return geometry::isGrey(mesh_->materials[c.material].reflectance);
     });
+}
+
+std::string OutsideReflection::inWords() const {
+    const std::string what = "what stands outside: ";
+    if (!isEmpty()) return what + fmt::format("reflected light of {} cells", cells().size());
+    if (mesh_->outside.triangles.empty()) return what + "nothing";
+    if (!cells_->tooMany()) return what + "black, reflects nothing";
+    return what + fmt::format("more than {} surfaces, taken for black", OutsideCells::kMostRegions);
 }
 
 std::vector<float> OutsideReflection::skyLight(std::span<const double> luminances) const {

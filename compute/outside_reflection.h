@@ -10,6 +10,7 @@
 
 #include <cstdint>
 #include <span>
+#include <string>
 #include <vector>
 
 #include <glm/vec3.hpp>
@@ -30,6 +31,8 @@ public:
     bool isEmpty() const { return cells_->cells().empty(); }
     std::span<const OutsideCell> cells() const { return cells_->cells(); }
     bool isGrey() const;
+    // For reports: what is modelled, or why nothing is.
+    std::string inWords() const;
 
     // Lux on a cell for each cd/m2 of the elements of the sky; the last is the ground.
     std::span<const float> bySky(size_t cell) const { return {&bySky_[cell * elements_], elements_}; }

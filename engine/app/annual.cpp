@@ -385,6 +385,8 @@ Year computeYear(Run& run, const Job& job, OutputFolder& folder) {
     for (float& lux : year.meanLux) lux /= static_cast<float>(std::max<size_t>(year.inRooms(), 1));
     warnOfSensorsOutside(run, year.outside, count);
     reportYear(run, year.report, recordsOf(job.weather));
+    const compute::OutsideReflection& outside = transport->parts().reflection;
+    outside.isEmpty() ? run.skipped(outside.inWords()) : run.modelled(outside.inWords());
     if (job.arguments.ill) {
         MatrixFile hours(output / kHoursFile, count, records);
         writeIll(output / "illuminance.ill", job.weather, count, hours);
