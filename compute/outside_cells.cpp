@@ -72,12 +72,17 @@ OutsideCells::OutsideCells(const geometry::PatchMesh& mesh, std::vector<ConvexRe
     std::vector<size_t> bright;
     for (size_t r = 0; r < regions_.size(); ++r)
         if (mesh.materials[regions_[r].group].reflectance != glm::vec3(0)) bright.push_back(r);
-    if ((tooMany_ = bright.size() > kMostRegions)) return;
     double coarser = 1;
     do {
         cutAll(openings, bright, coarser);
         coarser *= kCoarser;
     } while (cells_.size() > std::max(kMostCells, bright.size()));
+}
+
+void OutsideCells::blacken() {
+    nodes_.clear(), cells_.clear();
+    std::ranges::fill(roots_, kNone);
+    tooMany_ = true;
 }
 
 void OutsideCells::cutAll(std::span<const ConvexRegion> openings, std::span<const size_t> bright,

@@ -30,19 +30,20 @@ void mergeShares(std::vector<OutsideShare>& shares);
 
 class OutsideCells {
 public:
-    static constexpr size_t kMostCells = 2048, kMostRegions = 600;
+    static constexpr size_t kMostCells = 2048;
 
     OutsideCells() = default;
     // `regions` of outsideRegions, which stay as they are; those of black materials get no cells. A cell is
     // halved until it is no longer than a quarter of its distance from the nearest opening, of those that its
     // front looks at if any, or than an eighth of that opening's root of the area; where there would be more
-    // than kMostCells, than some times as much. No cells where more than kMostRegions reflect, as leaves do:
-    // each may hide what all others send.
+    // than kMostCells, than some times as much.
     OutsideCells(const geometry::PatchMesh& mesh, std::vector<ConvexRegion> regions,
                  std::span<const ConvexRegion> openings);
 
     std::span<const ConvexRegion> regions() const { return regions_; }
     std::span<const OutsideCell> cells() const { return cells_; }
+    // Takes all for black: they are too many (PointScene).
+    void blacken();
     bool tooMany() const { return tooMany_; }
     bool reflects(size_t region) const { return roots_[region] != kNone; }
     // Of a region that reflects, the cell that a point of it lies in.

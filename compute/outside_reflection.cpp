@@ -178,7 +178,7 @@ std::string OutsideReflection::inWords() const {
     if (!isEmpty()) return what + fmt::format("reflected light of {} cells", cells().size());
     if (mesh_->outside.triangles.empty()) return what + "nothing";
     if (!cells_->tooMany()) return what + "black, reflects nothing";
-    return what + fmt::format("more than {} surfaces, taken for black", OutsideCells::kMostRegions);
+    return what + "so many surfaces before a window that they are taken for black";
 }
 
 std::vector<float> OutsideReflection::skyLight(std::span<const double> luminances) const {

@@ -24,6 +24,9 @@ using glm::dvec3;
 namespace {
 
 constexpr double kPi = std::numbers::pi;
+// Of what stands outside, as each may hide what another before the same window sends: a hundred and seventy
+// leaves send a hundredth of a room's light, and would take ten times as long as without.
+constexpr double kMostPairs = 30'000;
 
 // The parts of a polygon above and below the horizontal plane through the point.
 void splitAtHorizon(const PointView::Polygon& polygon, PointView::Polygon& sky, PointView::Polygon& ground) {
@@ -199,6 +202,12 @@ void PointScene::findOpenings(std::vector<ConvexRegion> openings, const std::vec
         }
         seesOthers_ |= !from.facing.empty();
     }
+    double pairs = 0;
+    for (const Opening& opening : openings_)
+        pairs += static_cast<double>(opening.walls.size()) * static_cast<double>(opening.walls.size());
+    if (pairs <= kMostPairs) return;
+    outside_.blacken();
+    for (Opening& opening : openings_) opening.walls.clear();
 }
 
 std::vector<PointView> PointScene::framesOf(const PointView& view,

@@ -147,6 +147,20 @@ TEST(OutsideReflection, an_enclosure_sends_no_more_than_it_gets) {
     EXPECT_GT(mean, 1.5 * once); // the black room before it takes its share
 }
 
+// Leaves send little, and each may hide what all others send.
+TEST(OutsideReflection, crowds_before_a_window_are_black) {
+    for (const int leaves : {150, 200}) {
+        geometry::PatchMesh mesh = test::roomWithWindow(1);
+        for (int k = 0; k < leaves; ++k) {
+            const double x = 1 + 0.1 * (k % 20), y = 0.2 * (k / 20), z = -3 - 0.01 * k;
+            test::wallOutside(mesh, {x + 0.05, z}, {x, z}, y, y + 0.1, 0.5f);
+        }
+        const PointScene scene(mesh);
+        EXPECT_EQ(scene.outside().tooMany(), leaves == 200);
+        EXPECT_EQ(scene.outside().cells().empty(), leaves == 200);
+    }
+}
+
 TEST(OutsideReflection, what_answers_is_the_transpose_of_what_is_sent) {
     const geometry::PatchMesh mesh = sceneOf("court");
     const PointScene scene(mesh);
