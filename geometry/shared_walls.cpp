@@ -151,10 +151,6 @@ private:
     bool unclear_ = false;       // two materials in one place
 };
 
-} // namespace
-
-namespace {
-
 bool anyCross(const std::vector<FlatFace>& faces, double tolerance) {
     std::vector<Bounds> boxes;
     for (const FlatFace& face : faces) boxes.push_back(face.box);
