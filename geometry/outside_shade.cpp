@@ -48,10 +48,7 @@ struct Piece {
     Triangle corners;
     std::array<uint32_t, 3> at; // of the welded faces
     uint32_t material;
-
-    dvec3 normal() const {
-        return glm::normalize(glm::cross(corners[1] - corners[0], corners[2] - corners[0]));
-    }
+    dvec3 normal = glm::normalize(glm::cross(corners[1] - corners[0], corners[2] - corners[0]));
 };
 
 template<class Corners> bool isPartBefore(const Corners& corners, dvec3 at, dvec3 normal, double tolerance) {
@@ -62,18 +59,17 @@ template<class Corners> bool isPartBefore(const Corners& corners, dvec3 at, dvec
 // pane before the triangle. Of `terrain` a slope below the pane's foot hides nothing but ground, and is about
 // as bright as that; its back is hidden by the ground before it.
 std::optional<double> mattersFrom(const Piece& piece, const Pane& pane, bool terrain, double tolerance) {
-    const dvec3 normal = piece.normal();
-    const bool level = terrain && std::abs(normal.y) > kLevel;
+    const bool level = terrain && std::abs(piece.normal.y) > kLevel;
     if (level && boundsOf(piece.corners).high.y <= pane.foot + tolerance) return std::nullopt;
     if (!isPartBefore(piece.corners, pane.corners[0], -pane.normal, tolerance) ||
-        !isPartBefore(pane.corners, piece.corners[0], normal, tolerance))
+        !isPartBefore(pane.corners, piece.corners[0], piece.normal, tolerance))
         return std::nullopt;
     return level ? pane.foot : kEverywhere;
 }
 
 bool lookAtOneAnother(const Piece& a, const Piece& b, double tolerance) {
-    return isPartBefore(a.corners, b.corners[0], b.normal(), tolerance) &&
-           isPartBefore(b.corners, a.corners[0], a.normal(), tolerance);
+    return isPartBefore(a.corners, b.corners[0], b.normal, tolerance) &&
+           isPartBefore(b.corners, a.corners[0], a.normal, tolerance);
 }
 
 class Shade {

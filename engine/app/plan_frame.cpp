@@ -36,9 +36,14 @@ Chart PlanFrame::chart() const {
             std::max(all_.y, kLowest) + kHead + kFoot + kMargin};
 }
 
-void PlanFrame::title(Chart& chart, const std::string& title, const std::string& subtitle) const {
+void PlanFrame::title(Chart& chart, const std::string& title,
+                      const std::vector<std::string>& subtitle) const {
     chart.text({kMargin, 22}, title, 15);
-    chart.text({kMargin, 40}, subtitle, 11);
+    double y = 40;
+    for (const std::string& line : subtitle) {
+        chart.text({kMargin, y}, line, 11);
+        y += 14;
+    }
 }
 
 void PlanFrame::caption(Chart& chart, const std::string& words) const {

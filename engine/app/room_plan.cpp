@@ -208,9 +208,10 @@ private:
         if (!ample) return;
         const double feet = rooms[floor.room]["floor_area"], high = rooms[floor.room]["ceiling"];
         const double perFoot = geometry::kMetresPerFoot;
-        chart_.text(at + glm::dvec2(0, 12),
-                    fmt::format("{:.0f} ft² ({:.3g} m²), {:.3g} ft high", feet, feet * perFoot * perFoot, high),
-                    10, Anchor::middle, kBlack, true);
+        chart_.text(
+            at + glm::dvec2(0, 12),
+            fmt::format("{:.0f} ft² ({:.3g} m²), {:.3g} ft high", feet, feet * perFoot * perFoot, high), 10,
+            Anchor::middle, kBlack, true);
     }
 
     const Scene& scene_;
@@ -223,8 +224,8 @@ private:
 };
 
 // In lines of so many letters, at most two; what is longer is cut off.
-std::array<std::string, 2> twoLines(const std::string& words, size_t letters) {
-    if (words.size() <= letters) return {words, ""};
+std::vector<std::string> twoLines(const std::string& words, size_t letters) {
+    if (words.size() <= letters) return {words};
     const auto before = [&](const std::string& line) {
         const size_t space = line.rfind(' ', letters);
         return space == std::string::npos || space == 0 ? letters : space;
@@ -261,8 +262,7 @@ Chart roomPlan(const Scene& scene, const nlohmann::json& report, const std::stri
     }
     const auto lines = twoLines(report.value("code", "") + ": " + report.value("message", ""),
                                 static_cast<size_t>(chart.width() / 6));
-    first.title(chart, title, lines[0]);
-    chart.text({40, 54}, lines[1], 11);
+    first.title(chart, title, lines);
     first.foot(chart, scene.worldPerBuilding, scene.northDeg);
     double x = 0;
     const auto key = [&](Ink ink, double thickness, const char* words, double wide) {

@@ -15,7 +15,6 @@
 
 #include "compute/gpu/image.h"
 #include "engine/present/presenter.h"
-#include "tests/gpu/drivers.h"
 #include "tests/present/dummy_displays.h"
 
 namespace heliodon::present {
@@ -196,9 +195,3 @@ TEST_F(Displays, all_may_go_and_come_back_in_another_order) {
 
 } // namespace
 } // namespace heliodon::present
-
-int main(int argc, char** argv) {
-    heliodon::test::keepDriversLoaded();
-    testing::InitGoogleTest(&argc, argv);
-    return RUN_ALL_TESTS();
-}

@@ -11,7 +11,6 @@
 #include "compute/gpu/commands.h"
 #include "compute/gpu/image.h"
 #include "engine/present/presenter.h"
-#include "tests/gpu/drivers.h"
 #include "tests/present/own_display.h"
 
 namespace heliodon::present {
@@ -198,9 +197,3 @@ TEST_F(Windows, a_named_display_is_filled) {
 
 } // namespace
 } // namespace heliodon::present
-
-int main(int argc, char** argv) {
-    heliodon::test::keepDriversLoaded();
-    testing::InitGoogleTest(&argc, argv);
-    return RUN_ALL_TESTS();
-}
