@@ -37,8 +37,8 @@ constexpr double kMostOfGlass = 16;
 
 class ModelImporter {
 public:
-    ModelImporter(const std::filesystem::path& file, UpAxis up, std::optional<double> givenScale)
-        : model_(readRawModel(file)), givenScale_(givenScale) {
+    ModelImporter(const std::filesystem::path& file, UpAxis up, const ImportOptions& options)
+        : model_(readRawModel(file, options.glazing)), givenScale_(options.worldPerBuilding) {
         for (glm::dvec3& p : model_.vertices) p = worldFromModel(p, up);
         const double all = extentOf([](uint32_t) { return true; });
         if (!(all > 0)) throw InputError(model_.file, model_.place(0), "all faces lie in one point");
@@ -387,9 +387,8 @@ double assumedWorldPerBuilding(std::span<const glm::dvec3> corners) {
     return box.high.y - box.low.y < kLowestRoom ? 1.0 / 12 : 1.0;
 }
 
-Building importModel(const std::filesystem::path& file, UpAxis up, const std::function<void()>& beforePart,
-                     std::optional<double> worldPerBuilding) {
-    return ModelImporter(file, up, worldPerBuilding).import(beforePart);
+Building importModel(const std::filesystem::path& file, UpAxis up, const ImportOptions& options) {
+    return ModelImporter(file, up, options).import(options.beforePart);
 }
 
 } // namespace heliodon::geometry

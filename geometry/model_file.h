@@ -10,6 +10,7 @@
 #include <functional>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include <glm/vec3.hpp>
@@ -23,25 +24,39 @@ enum class UpAxis { y, z };
 
 constexpr double kModelNorthDeg = 90; // of files that say nothing of it
 
+// A material that is glass whatever its file says of it, with no reflectance but glass's own; visible
+// transmittance at normal incidence, each above 0 and at most 1. Many programs write none.
+struct Glazing {
+    std::string material;
+    glm::vec3 transmittance;
+};
+
 // A model with z up is turned to y up: (x, y, z) -> (x, z, -y). The same turn applies to sensors and skies of
 // that model.
 glm::dvec3 worldFromModel(glm::dvec3 p, UpAxis up);
 
 // The faces exactly as in the file, one patch each (planar convex polygons; others are refused by line), but
-// for what writeModel() wrote of PatchMesh::outside. No closure is asked for. Throws InputError.
-PatchMesh readPatches(const std::filesystem::path& file, UpAxis up = UpAxis::y);
+// for what writeModel() wrote of PatchMesh::outside. No closure is asked for. Throws InputError, and so where
+// `glazing` names a material that the file does not.
+PatchMesh readPatches(const std::filesystem::path& file, UpAxis up = UpAxis::y,
+                      std::span<const Glazing> glazing = {});
 
 // World metres a metre of building, where nobody says it: rooms less than a metre high are of the table's
 // size, 12 times smaller than what they stand for.
 double assumedWorldPerBuilding(std::span<const glm::dvec3> corners);
 
+struct ImportOptions {
+    // Called before each part of the work (1 s of 300,000 faces); what it throws ends the work.
+    std::function<void()> beforePart = [] {};
+    std::optional<double> worldPerBuilding; // what people and storeys are measured in; none: assumed of the rooms
+    std::vector<Glazing> glazing;           // as of readPatches()
+};
+
 // The model as closed rooms: duplicate vertices welded, T-vertices split, flipped faces turned where that is
 // safe; otherwise refused with the faces named. A model that is not closed is refused. Throws
-// InputError. `beforePart` is called before each part of the work (1 s of 300,000 faces); what it throws ends
-// the work. `worldPerBuilding` tells what is as large as people and storeys are; none: assumed of the rooms.
-Building importModel(
-    const std::filesystem::path& file, UpAxis up = UpAxis::y, const std::function<void()>& beforePart = [] {},
-    std::optional<double> worldPerBuilding = {});
+// InputError.
+Building importModel(const std::filesystem::path& file, UpAxis up = UpAxis::y,
+                     const ImportOptions& options = {});
 
 // Files of materials that reading a model reads, too: none but of an .obj. Throws InputError where the .obj
 // is no text.

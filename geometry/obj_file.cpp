@@ -392,7 +392,9 @@ private:
         std::from_chars(word.data(), word.data() + word.size(), smoothing_);
     }
 
-    void useMaterial(const std::string& name) {
+    // Blender names no material where a face has none.
+    void useMaterial(std::string name) {
+        if (name.empty()) name = "default";
         auto found = materials_.find(name);
         if (found == materials_.end()) {
             // Without any material in the file the faces are a mid grey; a name that nothing defines is a

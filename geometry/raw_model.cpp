@@ -7,6 +7,7 @@
 #include <utility>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "geometry/input_error.h"
 #include "geometry/lower_case.h"
@@ -81,8 +82,9 @@ std::vector<std::vector<uint32_t>> RawModel::loops(size_t i) const {
 }
 
 std::string seeThroughButOpaque(const std::string& material, double opacity, const char* transmittance) {
-    return fmt::format("material \"{}\" is see-through (opacity {}) but has no {}: it was taken as opaque",
-                       material, opacity, transmittance);
+    return fmt::format("material \"{}\" is see-through (opacity {}) but has no {}: it was taken as opaque "
+                       "(--glass \"{}=0.8\" makes it glass)",
+                       material, opacity, transmittance, material);
 }
 
 // Lux. The sun's surface has 6e9; squares of what is much brighter leave single precision.
@@ -145,15 +147,31 @@ void doubtOpaqueGlass(RawModel& model) {
         const bool isGlass = name.find("glass") != name.npos || name.find("glazing") != name.npos;
         if (isGlass && !material.isOpening())
             model.doubts.try_emplace(m, fmt::format("material \"{}\" is glass by its name but has no "
-                                                    "transmittance: it was taken as opaque",
-                                                    material.name));
+                                                    "transmittance: it was taken as opaque (--glass "
+                                                    "\"{}=0.8\" says which)",
+                                                    material.name, material.name));
     }
+}
+
+void makeGlass(RawModel& model, const Glazing& glazing) {
+    const auto found = std::ranges::find(model.materials, glazing.material, &Material::name);
+    if (found == model.materials.end()) {
+        std::vector<std::string> names;
+        for (const Material& material : model.materials) names.push_back(material.name);
+        throw InputError(model.file, glazing.material,
+                         fmt::format("is no material of this model, expected one of {}",
+                                     fmt::join(names, ", ")));
+    }
+    *found = {.name = found->name, .transmittance = glazing.transmittance, .blind = found->blind};
+    const auto number = static_cast<uint32_t>(found - model.materials.begin());
+    model.assumed.erase(number), model.doubts.erase(number);
 }
 
 } // namespace
 
-RawModel readRawModel(const std::filesystem::path& file) {
+RawModel readRawModel(const std::filesystem::path& file, std::span<const Glazing> glazing) {
     RawModel model = readByExtension(file);
+    for (const Glazing& one : glazing) makeGlass(model, one);
     if (model.faceCount() == 0) throw InputError(model.file, "", "holds no faces");
     checkReach(model);
     doubtOpaqueGlass(model);

@@ -83,11 +83,12 @@ struct RawModel {
 RawModel readObj(const std::filesystem::path& file);
 RawModel readGltf(const std::filesystem::path& file);
 // By extension; throws InputError for others, for a model without faces, and for one that names a face with a
-// corner beyond kFarthest.
-RawModel readRawModel(const std::filesystem::path& file);
+// corner beyond kFarthest or `glazing` a material that it has not.
+RawModel readRawModel(const std::filesystem::path& file, std::span<const Glazing> glazing = {});
 
 // Of a material that is see-through, so that `opacity` of what is behind it is hidden, but transmits nothing:
-// glass may be meant, and is not made of it, for how much light passes at what angle is not known.
+// glass may be meant, and is not made of it, for how much light passes at what angle is not known. Glazing
+// says it.
 std::string seeThroughButOpaque(const std::string& material, double opacity, const char* transmittance);
 
 // What a format calls the values of a material.

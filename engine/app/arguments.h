@@ -30,6 +30,7 @@ struct SceneArguments {
     std::string up = "y";
     double northDeg = 0;              // turns north clockwise seen from above
     std::optional<double> modelScale; // how many times larger than a model from a file its building is
+    std::vector<std::string> glass;   // MATERIAL=T[,T,T] of a model from a file
     std::vector<std::string> blinds;  // [MATERIAL=]STATE, see blinds.h
 };
 

@@ -15,6 +15,7 @@
 #include "geometry/input_error.h"
 #include "geometry/lower_case.h"
 #include "geometry/mesher.h"
+#include "geometry/number_text.h"
 #include "geometry/room_measures.h"
 #include "geometry/sketch.h"
 #include "vision/detect.h"
@@ -142,8 +143,9 @@ geometry::Building importOrRefuse(Run& run, const SceneArguments& arguments, geo
     const StageTimer timer(run, "model");
     try {
         const std::optional<double>& scale = arguments.modelScale;
-        return geometry::importModel(arguments.input, up, throwIfInterrupted,
-                                     scale ? std::optional(1 / *scale) : std::nullopt);
+        return geometry::importModel(arguments.input, up,
+                                     {throwIfInterrupted, scale ? std::optional(1 / *scale) : std::nullopt,
+                                      glazingOf(arguments)});
     } catch (const InputError& error) {
         run.report()["outcome"] = "refuse";
         run.report()["code"] = "BAD_MODEL";
@@ -217,6 +219,28 @@ geometry::UpAxis upAxisOf(const SceneArguments& arguments) {
     return arguments.up == "z" ? geometry::UpAxis::z : geometry::UpAxis::y;
 }
 
+std::vector<geometry::Glazing> glazingOf(const SceneArguments& arguments) {
+    std::vector<geometry::Glazing> all;
+    for (const std::string& text : arguments.glass) {
+        const size_t equals = std::min(text.rfind('='), text.size());
+        std::vector<float> values;
+        for (size_t at = equals; at < text.size();) {
+            const size_t end = std::min(text.find(',', ++at), text.size());
+            const double value = geometry::numberFrom(text.substr(at, end - at)).value_or(0);
+            values.push_back(value > 0 && value <= 1 ? static_cast<float>(value) : 0);
+            at = end;
+        }
+        if (values.size() == 1) values.resize(3, values[0]);
+        if (equals == 0 || values.size() != 3 || std::ranges::count(values, 0) > 0)
+            throw InputError("--glass", "",
+                             fmt::format("'{}': expected MATERIAL=T or MATERIAL=R,G,B, transmittances above "
+                                         "0 and at most 1",
+                                         text));
+        all.push_back({text.substr(0, equals), {values[0], values[1], values[2]}});
+    }
+    return all;
+}
+
 geometry::Sketch loadSketch(Run& run, const SceneArguments& arguments,
                             const std::optional<geometry::Rig>& rig) {
     if (kindOf(arguments.input) == InputKind::sketch) {
@@ -286,6 +310,8 @@ SceneSource readSource(Run& run, const SceneArguments& arguments) {
                          "is for models from files, what lies on the table is 12 times smaller");
     if (arguments.chordError && kind == InputKind::model)
         throw InputError("--chord-error", "", "is for curved walls on the table, a model's faces are flat");
+    if (!glazingOf(arguments).empty() && kind != InputKind::model)
+        throw InputError("--glass", "", "is for models from files, glass on the table is clear");
     if (arguments.up == "z" && kind != InputKind::model)
         run.warn("--up is not used: it is for models from files, what lies on the table has y up");
     SceneSource source;

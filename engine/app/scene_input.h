@@ -3,6 +3,7 @@
 #pragma once
 
 #include <optional>
+#include <vector>
 
 #include "engine/app/arguments.h"
 #include "engine/app/run.h"
@@ -50,6 +51,9 @@ geometry::Rig loadRig(Run& run, const std::filesystem::path& file);
 void warnOfNoProjectors(Run& run, const std::filesystem::path& rig);
 
 geometry::UpAxis upAxisOf(const SceneArguments& arguments);
+
+// Of --glass. Throws InputError.
+std::vector<geometry::Glazing> glazingOf(const SceneArguments& arguments);
 
 // The sketch in a file, or detected in a photograph (which needs a rig). Fills `stages.detect` and `detected`
 // of the report.

@@ -112,6 +112,29 @@ TEST_F(ModelFile, materials_are_read_and_unknown_keys_ignored) {
     EXPECT_EQ(mesh.materials[2].reflectance, glm::vec3(0)); // a lamp without Kd reflects nothing
 }
 
+// Many programs write glass by its opacity alone, with the air's refractive index, which is a hole's.
+TEST_F(ModelFile, glass_by_name_whatever_the_file_says) {
+    write("m.mtl", "newmtl wall\nKd 0.5\nnewmtl pane\nKd 0.9\nNi 1\nd 0.2\n");
+    const std::string file = write("m.obj", "mtllib m.mtl\n" + kSquare + "usemtl pane\nf 1 2 3\n");
+    const std::vector<Glazing> green{{"pane", {0.5, 0.75, 0.5}}}, other{{"window", {0.5, 0.5, 0.5}}};
+    EXPECT_FALSE(readPatches(file).materials[1].isOpening());
+    const Material glass = readPatches(file, UpAxis::y, green).materials[1];
+    EXPECT_EQ(glass.transmittance, glm::vec3(0.5f, 0.75f, 0.5f));
+    EXPECT_EQ(glass.reflectance, glm::vec3(0));
+    EXPECT_FLOAT_EQ(glass.refractiveIndex, 1.52f);
+    try {
+        readPatches(file, UpAxis::y, other);
+        ADD_FAILURE() << "accepted";
+    } catch (const InputError& error) {
+        EXPECT_EQ(error.what(), file + ":window: is no material of this model, expected one of wall, pane");
+    }
+}
+
+TEST_F(ModelFile, a_face_of_no_material_is_grey) {
+    const PatchMesh mesh = readPatches(write("m.obj", kSquare + "usemtl \nf 1 2 3\n"));
+    EXPECT_EQ(mesh.materials[mesh.material[0]].reflectance, glm::vec3(0.5f));
+}
+
 TEST_F(ModelFile, what_the_format_allows_but_few_programs_write) {
     write("a.mtl", "\xEF\xBB\xBFnewmtl a\nKd 0.25\n");
     write("b c.mtl", "newmtl b\rKd +0.5 5e-1 .5\r"); // lines of an old Mac

@@ -77,8 +77,7 @@ public:
     Building read(std::optional<double> worldPerBuilding = {}) {
         const std::string file = testing::TempDir() + name_ + ".obj";
         std::ofstream(file) << out_.str();
-        return importModel(
-            file, UpAxis::y, [] {}, worldPerBuilding);
+        return importModel(file, UpAxis::y, {.worldPerBuilding = worldPerBuilding});
     }
 
 private:
