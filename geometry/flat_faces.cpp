@@ -1,9 +1,11 @@
 #include "geometry/flat_faces.h"
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <utility>
 
+#include "geometry/clip_polygon.h"
 #include "geometry/disjoint_sets.h"
 #include "geometry/face_soup.h"
 #include "geometry/outline_area.h"
@@ -16,6 +18,30 @@ namespace {
 constexpr double kSteep = 0.7; // of a normal's height: walls are
 
 } // namespace
+
+FlatFace convexFace(const std::vector<glm::dvec3>& corners, glm::dvec3 normal) {
+    FlatFace out{.origin = corners[0], .normal = normal, .loops = {corners}, .box = boundsOf(corners)};
+    for (size_t k = 1; k + 1 < corners.size(); ++k)
+        out.triangles.push_back({corners[0], corners[k], corners[k + 1]});
+    return out;
+}
+
+std::vector<FlatFace> halves(const FlatFace& convex, const FlatFace& plane) {
+    std::vector<FlatFace> out;
+    std::vector<glm::dvec3> part;
+    for (const double side : {1.0, -1.0}) {
+        clip<glm::dvec3>(
+            convex.loops[0], [&](glm::dvec3 p) { return side * plane.height(p); }, part);
+        if (!part.empty()) out.push_back(convexFace(part, convex.normal));
+    }
+    return out;
+}
+
+const ShellTriangle& largestTriangle(const FlatFace& face) {
+    return *std::ranges::max_element(face.triangles, {}, [](const ShellTriangle& t) {
+        return glm::length(glm::cross(t.b - t.a, t.c - t.a));
+    });
+}
 
 std::vector<FlatFace> flatFacesOf(const Building& building) {
     std::vector<FlatFace> out;

@@ -23,6 +23,14 @@ struct FlatFace {
     double height(glm::dvec3 p) const { return glm::dot(p - origin, normal); }
 };
 
+// Of a convex outline.
+FlatFace convexFace(const std::vector<glm::dvec3>& corners, glm::dvec3 normal);
+
+// A convex face cut along the plane of another one; a part that has no area is left out.
+std::vector<FlatFace> halves(const FlatFace& convex, const FlatFace& plane);
+
+const ShellTriangle& largestTriangle(const FlatFace& face);
+
 // Without faces that have no area.
 std::vector<FlatFace> flatFacesOf(const Building& building);
 

@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "geometry/box_tree.h"
-#include "geometry/clip_polygon.h"
 #include "geometry/face_crossing.h"
 #include "geometry/missing_sides.h"
 #include "geometry/outline_area.h"
@@ -22,13 +21,6 @@ using glm::dvec3;
 constexpr double kMuchLarger = 3;  // than the rooms, from above
 constexpr double kMostSteep = 0.5; // of its area
 constexpr double kLevel = 0.25;    // of a normal: slopes, not partitions that stand on the ground
-
-FlatFace flatFaceOf(const std::vector<dvec3>& corners, dvec3 normal) { // convex
-    FlatFace out{.origin = corners[0], .normal = normal, .loops = {corners}, .box = boundsOf(corners)};
-    for (size_t k = 1; k + 1 < corners.size(); ++k)
-        out.triangles.push_back({corners[0], corners[k], corners[k + 1]});
-    return out;
-}
 
 class GroundCutter {
 public:
@@ -54,7 +46,7 @@ public:
         std::vector<FlatFace> kept;
         bool goes = false;
         for (const ShellTriangle& t : face.triangles) {
-            std::vector<FlatFace> next{flatFaceOf({t.a, t.b, t.c}, face.normal)};
+            std::vector<FlatFace> next{convexFace({t.a, t.b, t.c}, face.normal)};
             while (!next.empty()) {
                 const FlatFace piece = std::move(next.back());
                 next.pop_back();
@@ -81,21 +73,8 @@ private:
         return found;
     }
 
-    static std::vector<FlatFace> halves(const FlatFace& piece, const FlatFace& wall) {
-        std::vector<FlatFace> out;
-        std::vector<dvec3> part;
-        for (const double side : {1.0, -1.0}) {
-            clip<dvec3>(
-                piece.loops[0], [&](dvec3 p) { return side * wall.height(p); }, part);
-            if (!part.empty()) out.push_back(flatFaceOf(part, piece.normal));
-        }
-        return out;
-    }
-
     bool isGroundInRoom(const FlatFace& piece) const {
-        const ShellTriangle& t = *std::ranges::max_element(piece.triangles, {}, [](const ShellTriangle& one) {
-            return glm::length(glm::cross(one.b - one.a, one.c - one.a));
-        });
+        const ShellTriangle& t = largestTriangle(piece);
         if (!isWithin(shells_, t, tolerance_)) return false;
         const auto isClose = [&](dvec3 way) { return shells_.anyWithin(t.middle(), way, storey_); };
         return isClose({0, 1, 0}) || isClose({0, -1, 0});

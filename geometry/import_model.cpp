@@ -10,6 +10,7 @@
 
 #include "geometry/bounds.h"
 #include "geometry/counted.h"
+#include "geometry/crossing_solids.h"
 #include "geometry/face_soup.h"
 #include "geometry/glass_panes.h"
 #include "geometry/ground_in_rooms.h"
@@ -51,8 +52,16 @@ public:
         try {
             return importAsDrawnOrFitted(beforePart);
         } catch (const InputError&) {
-            if (faces_.folded.empty()) throw;
-            throw foldError(*faces_.folded.begin());
+            if (!faces_.folded.empty()) throw foldError(*faces_.folded.begin());
+            const auto united = uniteSolids(faces_.soup, isGlass_, kWeldOfExtent * extent_);
+            if (!united) throw;
+            faces_.soup = united->faces;
+            faces_.warnings.push_back(
+                fmt::format("{} solids run into one another (one with the face at {}): what "
+                            "of them lies in others was left out",
+                            united->solids, model_.place(united->surface)));
+            strays_.clear(), whyNoPane_.reset(), insideOut_ = false;
+            return importAsDrawnOrFitted(beforePart);
         }
     }
 

@@ -139,9 +139,9 @@ ModelFaces flatFaces(const RawModel& model, double extent, double worldPerBuildi
     }
     if (little.count > 0) out.repair = little.sentence(worldPerBuilding, "");
     if (much.count > 0)
-        out.warning =
+        out.warnings.push_back(
             much.sentence(worldPerBuilding, fmt::format(" (the first at {})", model.place(much.first))) +
-            ": where they should fold was guessed";
+            ": where they should fold was guessed");
     return out;
 }
 

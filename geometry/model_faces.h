@@ -16,10 +16,11 @@ namespace heliodon::geometry {
 constexpr double kWeldOfExtent = 2e-6, kPlanarOfExtent = 1e-5;
 
 struct ModelFaces {
-    std::vector<SoupFace> soup;    // SoupFace::surface: the face's number in the file
-    std::vector<SoupFace> outside; // of kOutsideGroup, flat too
-    size_t dropped = 0;            // faces without area
-    std::string repair, warning;   // of faces bent by little, and by more; empty where there are none
+    std::vector<SoupFace> soup;        // SoupFace::surface: the face's number in the file
+    std::vector<SoupFace> outside;     // of kOutsideGroup, flat too
+    size_t dropped = 0;                // faces without area
+    std::string repair;                // of faces bent by little; empty where there are none
+    std::vector<std::string> warnings; // of those bent by more, and what else was guessed
     // By the face's number in the file, world metres: bent so far that which corners its triangles join would
     // make another room. Terrain may be.
     std::map<uint32_t, double> folded;

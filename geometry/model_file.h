@@ -48,8 +48,9 @@ double assumedWorldPerBuilding(std::span<const glm::dvec3> corners);
 struct ImportOptions {
     // Called before each part of the work (1 s of 300,000 faces); what it throws ends the work.
     std::function<void()> beforePart = [] {};
-    std::optional<double> worldPerBuilding; // what people and storeys are measured in; none: assumed of the rooms
-    std::vector<Glazing> glazing;           // as of readPatches()
+    std::optional<double>
+        worldPerBuilding;         // what people and storeys are measured in; none: assumed of the rooms
+    std::vector<Glazing> glazing; // as of readPatches()
 };
 
 // The model as closed rooms: duplicate vertices welded, T-vertices split, flipped faces turned where that is

@@ -78,7 +78,7 @@ private:
             if (isUsed(material)) building_.repairs.push_back(assumption);
         for (const auto& [material, doubt] : model_.doubts)
             if (isUsed(material)) building_.warnings.push_back(doubt);
-        if (!faces_.warning.empty()) building_.warnings.push_back(faces_.warning);
+        building_.warnings.insert(building_.warnings.end(), faces_.warnings.begin(), faces_.warnings.end());
         warnOfGround();
         return {std::move(building_), std::move(source_)};
     }

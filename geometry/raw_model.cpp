@@ -158,9 +158,9 @@ void makeGlass(RawModel& model, const Glazing& glazing) {
     if (found == model.materials.end()) {
         std::vector<std::string> names;
         for (const Material& material : model.materials) names.push_back(material.name);
-        throw InputError(model.file, glazing.material,
-                         fmt::format("is no material of this model, expected one of {}",
-                                     fmt::join(names, ", ")));
+        throw InputError(
+            model.file, glazing.material,
+            fmt::format("is no material of this model, expected one of {}", fmt::join(names, ", ")));
     }
     *found = {.name = found->name, .transmittance = glazing.transmittance, .blind = found->blind};
     const auto number = static_cast<uint32_t>(found - model.materials.begin());

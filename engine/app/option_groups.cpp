@@ -16,9 +16,10 @@ void addScene(CLI::App* sub, SceneArguments& scene) {
                     "how many times larger than a model (.obj .gltf .glb) its building is (default 12 for "
                     "models under 1 m high, as on the table, else 1)")
         ->check(within(1e-6, 1e6));
-    sub->add_option("--glass", scene.glass,
-                    "MATERIAL=T or MATERIAL=R,G,B of a model: it is glass of that visible transmittance at normal "
-                    "incidence, whatever the file says; may be given several times")
+    sub->add_option(
+           "--glass", scene.glass,
+           "MATERIAL=T or MATERIAL=R,G,B of a model: it is glass of that visible transmittance at normal "
+           "incidence, whatever the file says; may be given several times")
         ->allow_extra_args(false);
 }
 

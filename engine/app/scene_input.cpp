@@ -143,9 +143,9 @@ geometry::Building importOrRefuse(Run& run, const SceneArguments& arguments, geo
     const StageTimer timer(run, "model");
     try {
         const std::optional<double>& scale = arguments.modelScale;
-        return geometry::importModel(arguments.input, up,
-                                     {throwIfInterrupted, scale ? std::optional(1 / *scale) : std::nullopt,
-                                      glazingOf(arguments)});
+        return geometry::importModel(
+            arguments.input, up,
+            {throwIfInterrupted, scale ? std::optional(1 / *scale) : std::nullopt, glazingOf(arguments)});
     } catch (const InputError& error) {
         run.report()["outcome"] = "refuse";
         run.report()["code"] = "BAD_MODEL";

@@ -436,9 +436,12 @@ TEST_F(BadInput, windows_in_a_state_that_is_none) {
 }
 
 TEST_F(BadInput, glass_of_no_transmittance) {
-    const std::string command = "model " HELIODON_TEST_DATA "/compute/office/model.obj --up z --triangles 100 "
-                                "--quiet -o " + in("out.obj") + " --glass ";
-    for (const char* text : {"Glass", "=0.8", "glass=", "glass=0", "glass=1.5", "glass=0.5,0.5", "glass=0.5,"})
+    const std::string command = "model " HELIODON_TEST_DATA
+                                "/compute/office/model.obj --up z --triangles 100 "
+                                "--quiet -o " +
+                                in("out.obj") + " --glass ";
+    for (const char* text :
+         {"Glass", "=0.8", "glass=", "glass=0", "glass=1.5", "glass=0.5,0.5", "glass=0.5,"})
         expectRefused(command + text, {"--glass", text, "MATERIAL=T"});
     expectRefused(command + "nothing=0.8", {"model.obj:nothing:", "expected one of"});
     expectRefused("model " HELIODON_TEST_DATA "/geometry/sketches/p04_L.json --glass glazing=0.8 -o " +

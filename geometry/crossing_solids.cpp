@@ -1,0 +1,278 @@
+// A face that another body's runs through or ends on is cut along the whole plane of that one, and its parts
+// again, until none is; then each part lies within another body, on its surface or beside it.
+#include "geometry/crossing_solids.h"
+
+#include <algorithm>
+#include <map>
+#include <memory>
+#include <set>
+#include <utility>
+
+#include "geometry/box_tree.h"
+#include "geometry/disjoint_sets.h"
+#include "geometry/face_crossing.h"
+#include "geometry/flat_faces.h"
+#include "geometry/shell_faces.h"
+#include "geometry/triangle_rays.h"
+
+namespace heliodon::geometry {
+
+namespace {
+
+using glm::dvec3;
+
+constexpr uint32_t kNone = UINT32_MAX; // body of what welding leaves nothing of
+
+// Whether a convex face is on both sides of the other's plane, and the line there runs on the other one or
+// its border.
+bool isCutBy(const FlatFace& convex, const FlatFace& other, double tolerance) {
+    double most = 0, least = 0;
+    std::vector<dvec3> ends;
+    const std::vector<dvec3>& loop = convex.loops[0];
+    for (size_t k = 0; k < loop.size(); ++k) {
+        const double a = other.height(loop[k]), b = other.height(loop[(k + 1) % loop.size()]);
+        most = std::max(most, a), least = std::min(least, a);
+        if ((a >= 0) != (b >= 0))
+            ends.push_back(loop[k] + a / (a - b) * (loop[(k + 1) % loop.size()] - loop[k]));
+    }
+    if (most <= tolerance || least >= -tolerance) return false;
+    const dvec3 along = ends[1] - ends[0];
+    return std::ranges::any_of(other.triangles, [&](const ShellTriangle& t) {
+        const dvec3 normal = glm::cross(t.b - t.a, t.c - t.a);
+        double from = 0, to = 1;
+        for (const auto& [p, q] : {std::pair(t.a, t.b), {t.b, t.c}, {t.c, t.a}}) {
+            const dvec3 inwards = glm::normalize(glm::cross(normal, q - p));
+            const double height = glm::dot(ends[0] - p, inwards) + tolerance, rise = glm::dot(along, inwards);
+            if (rise > 0)
+                from = std::max(from, -height / rise);
+            else if (rise < 0)
+                to = std::min(to, -height / rise);
+            else if (height < 0)
+                return false;
+        }
+        return (to - from) * glm::length(along) > 4 * tolerance; // more than both edges' margins at a corner
+    });
+}
+
+// As they are given, for welding puts corners of others into edges, which makes needles of triangles.
+Building unwelded(const std::vector<SoupFace>& faces) {
+    Building out;
+    for (const SoupFace& given : faces) {
+        Face& face = out.faces.emplace_back();
+        face.surface = given.surface;
+        for (const auto& loop : given.loops) {
+            face.loops.emplace_back();
+            for (const dvec3 p : loop) {
+                face.loops.back().push_back(static_cast<uint32_t>(out.vertices.size()));
+                out.vertices.push_back(p);
+            }
+        }
+    }
+    return out;
+}
+
+std::vector<FlatFace> convexParts(const FlatFace& face) {
+    const std::vector<dvec3>& loop = face.loops[0];
+    const size_t n = loop.size();
+    bool convex = face.loops.size() == 1;
+    for (size_t k = 0; k < n; ++k)
+        convex = convex && glm::dot(glm::cross(loop[(k + 1) % n] - loop[k], loop[(k + 2) % n] - loop[k]),
+                                    face.normal) >= 0;
+    if (convex) return {convexFace(loop, face.normal)};
+    std::vector<FlatFace> out;
+    for (const ShellTriangle& t : face.triangles) out.push_back(convexFace({t.a, t.b, t.c}, face.normal));
+    return out;
+}
+
+class SolidUniter {
+public:
+    SolidUniter(const std::vector<SoupFace>& faces, const std::function<bool(uint32_t)>& isGlass,
+                double tolerance)
+        : given_(faces), tolerance_(tolerance) {
+        std::vector<SoupFace> numbered = faces;
+        for (uint32_t k = 0; k < numbered.size(); ++k) numbered[k].surface = k;
+        faces_ = flatFacesOf(unwelded(numbered));
+        findBodies(weldFaces(numbered, 1, tolerance, true), isGlass);
+        for (const FlatFace& face : faces_)
+            boxes_.push_back({face.box.low - tolerance, face.box.high + tolerance});
+        tree_.emplace(boxes_);
+    }
+
+    std::optional<UnitedSolids> unite() {
+        UnitedSolids out;
+        findCrossing(out);
+        if (out.solids == 0) return std::nullopt;
+        std::vector<bool> isCut(given_.size(), false);
+        for (uint32_t k = 0; k < faces_.size(); ++k) {
+            if (!crosses_.contains(body_[k])) continue;
+            const auto pieces = outside(k);
+            if (!pieces) continue;
+            const SoupFace& face = given_[faces_[k].surface];
+            isCut[faces_[k].surface] = true;
+            for (const FlatFace& piece : *pieces) {
+                out.faces.push_back(face);
+                out.faces.back().loops = piece.loops;
+            }
+        }
+        for (size_t k = 0; k < given_.size(); ++k)
+            if (!isCut[k]) out.faces.push_back(given_[k]);
+        return out;
+    }
+
+private:
+    struct Body {
+        bool isClosed = true, hasGlass = false;
+        double volume = 0; // below 0 where the faces look in
+        std::vector<ShellTriangle> triangles;
+
+        void add(const ShellTriangle& t) {
+            const dvec3 origin = triangles.empty() ? t.a : triangles[0].a;
+            volume += glm::dot(t.a - origin, glm::cross(t.b - origin, t.c - origin)) / 6;
+            triangles.push_back(t);
+        }
+    };
+
+    // What hangs together by edges: where more than two faces meet in one, each with the next in the file, as
+    // bodies are written one after another.
+    DisjointSets hangingTogether(const Building& welded) const {
+        DisjointSets sets(welded.faces.size());
+        const auto place = [&](uint32_t f) { return given_[welded.faces[f].surface].surface; };
+        for (auto& [edge, faces] : facesOfEdges(welded)) {
+            std::ranges::sort(faces, {}, place);
+            for (size_t k = 1; k < faces.size(); k += 2) sets.join(faces[k - 1], faces[k]);
+        }
+        return sets;
+    }
+
+    void findBodies(const Building& welded, const std::function<bool(uint32_t)>& isGlass) {
+        DisjointSets sets = hangingTogether(welded);
+        std::map<uint32_t, Body> bodies; // by root
+        std::vector<uint32_t> bodyOf(given_.size(), kNone);
+        for (const Face& face : welded.faces) {
+            const uint32_t root = sets.root(static_cast<uint32_t>(&face - welded.faces.data()));
+            bodyOf[face.surface] = root;
+            if (isGlass(face.material)) bodies[root].hasGlass = hasGlass_ = true;
+        }
+        std::map<std::pair<uint32_t, Edge>, std::pair<int, int>>
+            runs; // of a body along an edge: all, and net
+        for (const Face& face : welded.faces)
+            for (const auto& loop : face.loops)
+                for (size_t k = 0; k < loop.size(); ++k) {
+                    const uint32_t from = loop[k], to = loop[(k + 1) % loop.size()];
+                    auto& [all, net] = runs[{bodyOf[face.surface], std::minmax(from, to)}];
+                    ++all, net += from < to ? 1 : -1;
+                }
+        for (const auto& [run, times] : runs)
+            if (times != std::pair(2, 0)) bodies[run.first].isClosed = false;
+        for (const FlatFace& face : faces_) {
+            body_.push_back(bodyOf[face.surface]);
+            for (const ShellTriangle& t : face.triangles) bodies[body_.back()].add(t);
+        }
+        bodies.erase(kNone);
+        findSolids(bodies);
+    }
+
+    void findSolids(std::map<uint32_t, Body>& bodies) {
+        const auto isSolid = [](const Body& body) {
+            return body.isClosed && !body.hasGlass && body.volume > 0;
+        };
+        for (const auto& [root, body] : bodies)
+            if (isSolid(body)) solids_[root] = std::make_unique<TriangleRays>(body.triangles, tolerance_);
+        std::map<uint32_t, uint32_t> cavityOf; // the least that is round it: a house with walls
+        for (const auto& [root, body] : bodies) {
+            if (!body.isClosed || body.volume >= 0) continue;
+            uint32_t around = kNone;
+            for (const auto& [solid, rays] : solids_)
+                if (rays->enclose(body.triangles[0].middle()) &&
+                    (around == kNone || bodies[solid].volume < bodies[around].volume))
+                    around = solid;
+            if (around != kNone) cavityOf[root] = around;
+        }
+        for (const auto& [cavity, solid] : cavityOf) {
+            auto& all = bodies[solid].triangles;
+            all.insert(all.end(), bodies[cavity].triangles.begin(), bodies[cavity].triangles.end());
+            solids_[solid] = std::make_unique<TriangleRays>(all, tolerance_);
+        }
+        for (uint32_t& body : body_)
+            if (const auto cavity = cavityOf.find(body); cavity != cavityOf.end()) body = cavity->second;
+    }
+
+    void findCrossing(UnitedSolids& out) {
+        for (uint32_t k = 0; k < faces_.size() && hasGlass_; ++k)
+            if (solids_.contains(body_[k]) && !crosses_.contains(body_[k]))
+                anyOfAnother(faces_[k], body_[k], [&](uint32_t i) {
+                    if (!facesCross(faces_[k], faces_[i], tolerance_)) return false;
+                    if (crosses_.empty()) out.surface = given_[faces_[k].surface].surface;
+                    crosses_.insert(body_[k]), crosses_.insert(body_[i]);
+                    return true;
+                });
+        out.solids = static_cast<uint32_t>(crosses_.size());
+    }
+
+    // Whether `accepts(i)` says so of any face i of another solid near the piece.
+    template<class Accepts>
+    bool anyOfAnother(const FlatFace& piece, uint32_t body, const Accepts& accepts) const {
+        return tree_->anyHolding(piece.box.high, piece.box.low, [&](uint32_t i) {
+            return body_[i] != body && solids_.contains(body_[i]) && accepts(i);
+        });
+    }
+
+    // Null where there is none.
+    const FlatFace* cutting(const FlatFace& piece, uint32_t body) const {
+        const FlatFace* found = nullptr;
+        anyOfAnother(piece, body, [&](uint32_t i) {
+            if (!crosses_.contains(body_[i]) || !isCutBy(piece, faces_[i], tolerance_)) return false;
+            found = &faces_[i];
+            return true;
+        });
+        return found;
+    }
+
+    // Convex pieces of the face that are of the union's surface; none where all of it is.
+    std::optional<std::vector<FlatFace>> outside(uint32_t k) const {
+        std::vector<FlatFace> kept;
+        bool goes = false;
+        std::vector<FlatFace> next = convexParts(faces_[k]);
+        while (!next.empty()) {
+            const FlatFace piece = std::move(next.back());
+            next.pop_back();
+            if (const FlatFace* other = cutting(piece, body_[k]))
+                for (FlatFace& half : halves(piece, *other)) next.push_back(std::move(half));
+            else if (isCovered(piece, body_[k]))
+                goes = true;
+            else
+                kept.push_back(piece);
+        }
+        if (!goes) return std::nullopt;
+        return kept;
+    }
+
+    // What lies on another surface that looks the same way is the earlier body's.
+    bool isCovered(const FlatFace& piece, uint32_t body) const {
+        const dvec3 middle = largestTriangle(piece).middle(), off = 2 * tolerance_ * piece.normal;
+        return std::ranges::any_of(crosses_, [&](uint32_t other) {
+            if (other == body) return false;
+            const TriangleRays& solid = *solids_.at(other);
+            return solid.enclose(middle + off) || (other < body && solid.enclose(middle - off));
+        });
+    }
+
+    const std::vector<SoupFace>& given_;
+    double tolerance_;
+    std::vector<FlatFace> faces_; // surface: the number among those given
+    std::vector<uint32_t> body_;  // per flat face
+    std::map<uint32_t, std::unique_ptr<TriangleRays>> solids_;
+    std::set<uint32_t> crosses_; // bodies
+    bool hasGlass_ = false;
+    std::vector<Bounds> boxes_;
+    std::optional<BoxTree> tree_;
+};
+
+} // namespace
+
+std::optional<UnitedSolids> uniteSolids(const std::vector<SoupFace>& faces,
+                                        const std::function<bool(uint32_t)>& isGlass, double tolerance) {
+    return SolidUniter(faces, isGlass, tolerance).unite();
+}
+
+} // namespace heliodon::geometry

@@ -1,0 +1,26 @@
+// Walls, floors and furniture are often drawn as solids that run into one another.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <vector>
+
+#include "geometry/face_soup.h"
+
+namespace heliodon::geometry {
+
+struct UnitedSolids {
+    std::vector<SoupFace> faces;
+    uint32_t solids = 0;  // that crossed others
+    uint32_t surface = 0; // of a face that did
+};
+
+// Of opaque closed bodies whose faces look out of them and that cross one another the surface of their union,
+// all else as it is. None where no two cross, or nothing has glass (`isGlass` of a material): then they may
+// be rooms. Where bodies share edges, faces near one another in the file (SoupFace::surface) are one's.
+// Corners are one within `tolerance` (metres). Cost: n log n, and faces times those of others that they meet.
+std::optional<UnitedSolids> uniteSolids(const std::vector<SoupFace>& faces,
+                                        const std::function<bool(uint32_t)>& isGlass, double tolerance);
+
+} // namespace heliodon::geometry

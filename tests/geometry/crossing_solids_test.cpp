@@ -1,0 +1,130 @@
+// Walls drawn as boxes that run into one another: rooms of the volume that is left between them.
+#include "geometry/crossing_solids.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <string>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "geometry/input_error.h"
+#include "tests/geometry/sheet_drawing.h"
+
+namespace heliodon::geometry {
+
+namespace {
+
+using Box = std::pair<dvec3, dvec3>; // lowest and highest corner
+
+// Turned about the upright through the origin.
+void box(Drawing& drawing, const Box& corners, double turn, bool looksIn = false) {
+    const auto turned = [&](dvec3 p) {
+        return dvec3(std::cos(turn) * p.x + std::sin(turn) * p.z, p.y,
+                     std::cos(turn) * p.z - std::sin(turn) * p.x);
+    };
+    const dvec3 size = corners.second - corners.first, o = turned(corners.first), x = turned({size.x, 0, 0}),
+                y(0, size.y, 0), z = turned({0, 0, size.z});
+    for (const auto& [at, u, v] : {std::tuple(o, x, z), std::tuple(o + y, z, x), std::tuple(o, y, x),
+                                   std::tuple(o, z, y), std::tuple(o + x, y, z), std::tuple(o + z, x, y)})
+        looksIn ? drawing.sheet(at, v, u) : drawing.sheet(at, u, v);
+}
+
+// Round 4 by 2.5 by 5 m, walls of 0.2 m that run into others by `into`, with a hole for a window at z < 0.
+std::vector<Box> walls(double into) {
+    const double t = 0.2, e = into;
+    return {{{-t, -t, -t}, {4 + t, 0, 5 + t}},      {{-t, 2.5, -t}, {4 + t, 2.5 + t, 5 + t}},
+            {{-t, -e, -t}, {0, 2.5 + e, 5 + t}},    {{4, -e, -t}, {4 + t, 2.5 + e, 5 + t}},
+            {{-e, -e, 5}, {4 + e, 2.5 + e, 5 + t}}, {{-e, -e, -t}, {1, 2.5 + e, 0}},
+            {{3, -e, -t}, {4 + e, 2.5 + e, 0}},     {{1 - e, -e, -t}, {3 + e, 0.8, 0}},
+            {{1 - e, 2, -t}, {3 + e, 2.5 + e, 0}}};
+}
+
+constexpr double kNiche = 2 * 1.2 * 0.1; // of the window, up to its pane in the middle of the wall
+
+void pane(Drawing& drawing, double turn) {
+    const double c = std::cos(turn), s = std::sin(turn);
+    const auto at = [&](double x, double y) { return dvec3(c * x - s * 0.1, y, -s * x - c * 0.1); };
+    drawing.face("glass", {at(1, 0.8), at(3, 0.8), at(3, 2), at(1, 2)});
+}
+
+// The volume of the room, and how many solids it says run into one another.
+std::pair<double, std::string> read(const std::vector<Box>& boxes, double turn) {
+    Drawing drawing(false);
+    for (const Box& one : boxes) box(drawing, one, turn);
+    pane(drawing, turn);
+    const Building building = drawing.read();
+    EXPECT_EQ(building.roomCount, 1u);
+    for (const std::string& warning : building.warnings)
+        if (const size_t end = warning.find(" solids run into one another"); end != std::string::npos)
+            return {volume(meshBuilding(building, {300})), warning.substr(0, end)};
+    return {0, "none: " + (building.warnings.empty() ? "" : building.warnings[0])};
+}
+
+} // namespace
+
+TEST(CrossingSolids, walls_that_run_into_one_another_are_one) {
+    for (const double into : {0.03, 0.2, 0.25}) // to the other's outside, and beyond
+        for (const double turn : {0.0, 0.7}) {
+            SCOPED_TRACE(testing::Message() << into << " " << turn);
+            const auto [size, count] = read(walls(into), turn);
+            EXPECT_EQ(count, "9");
+            EXPECT_NEAR(size, 50 + kNiche, 1e-4);
+        }
+}
+
+TEST(CrossingSolids, what_stands_in_the_room_may_run_into_its_walls_too) {
+    std::vector<Box> boxes = walls(0.1);
+    boxes.push_back({{1, -0.1, 2}, {1.3, 2.6, 2.3}});   // a column
+    boxes.push_back({{3.5, 0.7, 4}, {4.1, 0.75, 5.1}}); // a shelf in a corner
+    boxes.push_back({{1.2, 0, 2.1}, {2, 1, 2.2}});      // a board into the column
+    for (const double turn : {0.0, 1.1}) {
+        const auto [size, count] = read(boxes, turn);
+        EXPECT_EQ(count, "12");
+        EXPECT_NEAR(size, 50 + kNiche - 0.3 * 0.3 * 2.5 - 0.5 * 0.05 * 1 - 0.7 * 1 * 0.1, 1e-4);
+    }
+}
+
+// A house whose cavity hangs together with its outside nowhere: the window leads to a second house within.
+TEST(CrossingSolids, a_cavity_is_no_part_of_a_solid) {
+    std::vector<SoupFace> faces;
+    const auto add = [&](const Box& corners, bool looksIn, uint32_t material) {
+        const auto [a, b] = corners;
+        const dvec3 x(b.x - a.x, 0, 0), y(0, b.y - a.y, 0), z(0, 0, b.z - a.z);
+        for (auto [o, u, v] : {std::tuple(a, x, z), std::tuple(a + y, z, x), std::tuple(a, y, x),
+                               std::tuple(a, z, y), std::tuple(a + x, y, z), std::tuple(a + z, x, y)}) {
+            if (looksIn) std::swap(u, v);
+            faces.push_back({.loops = {{o, o + u, o + u + v, o + v}},
+                             .material = material,
+                             .surface = static_cast<uint32_t>(faces.size())});
+        }
+    };
+    add({dvec3(0), dvec3(10)}, false, 0);
+    add({dvec3(1), dvec3(9)}, true, 0);
+    add({dvec3(4), dvec3(5)}, false, 0);             // stands free in the cavity
+    add({{4.5, 4.2, 4.2}, {6, 4.4, 4.4}}, false, 0); // runs into that
+    add({{8, 2, 2}, {12, 3, 3}}, false, 0);          // through the house's wall
+    add({dvec3(20), dvec3(21)}, false, 1);           // glass somewhere
+    const auto united = uniteSolids(
+        faces, [](uint32_t material) { return material == 1; }, 1e-5);
+    ASSERT_TRUE(united);
+    EXPECT_EQ(united->solids, 4u);
+    double volumes = 0;
+    for (const SoupFace& face : united->faces)
+        for (size_t k = 2; k < face.loops[0].size(); ++k) {
+            const auto& loop = face.loops[0];
+            volumes += glm::dot(loop[0], glm::cross(loop[k - 1], loop[k])) / 6;
+        }
+    EXPECT_NEAR(volumes, 1000 - 512 + 1 + 0.04 * 1 + (1 + 2) + 1, 1e-9);
+}
+
+TEST(CrossingSolids, without_glass_they_may_be_rooms) {
+    Drawing drawing(false);
+    for (const Box& one : walls(0.1)) box(drawing, one, 0);
+    EXPECT_THROW(drawing.read(), InputError);
+}
+
+} // namespace heliodon::geometry
