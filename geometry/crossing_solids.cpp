@@ -98,13 +98,13 @@ public:
         tree_.emplace(boxes_);
     }
 
-    std::optional<UnitedSolids> unite() {
+    std::optional<UnitedSolids> unite(Solids which) {
         UnitedSolids out;
-        findCrossing(out);
+        findMeeting(which, out);
         if (out.solids == 0) return std::nullopt;
         std::vector<bool> isCut(given_.size(), false);
         for (uint32_t k = 0; k < faces_.size(); ++k) {
-            if (!crosses_.contains(body_[k])) continue;
+            if (!meets_.contains(body_[k])) continue;
             const auto pieces = outside(k);
             if (!pieces) continue;
             const SoupFace& face = given_[faces_[k].surface];
@@ -197,16 +197,17 @@ private:
             if (const auto cavity = cavityOf.find(body); cavity != cavityOf.end()) body = cavity->second;
     }
 
-    void findCrossing(UnitedSolids& out) {
+    void findMeeting(Solids which, UnitedSolids& out) {
         for (uint32_t k = 0; k < faces_.size() && hasGlass_; ++k)
-            if (solids_.contains(body_[k]) && !crosses_.contains(body_[k]))
+            if (solids_.contains(body_[k]) && !meets_.contains(body_[k]))
                 anyOfAnother(faces_[k], body_[k], [&](uint32_t i) {
-                    if (!facesCross(faces_[k], faces_[i], tolerance_)) return false;
-                    if (crosses_.empty()) out.surface = given_[faces_[k].surface].surface;
-                    crosses_.insert(body_[k]), crosses_.insert(body_[i]);
+                    if (which == Solids::thatCross && !facesCross(faces_[k], faces_[i], tolerance_))
+                        return false;
+                    if (meets_.empty()) out.surface = given_[faces_[k].surface].surface;
+                    meets_.insert(body_[k]), meets_.insert(body_[i]);
                     return true;
                 });
-        out.solids = static_cast<uint32_t>(crosses_.size());
+        out.solids = static_cast<uint32_t>(meets_.size());
     }
 
     // Whether `accepts(i)` says so of any face i of another solid near the piece.
@@ -221,7 +222,7 @@ private:
     const FlatFace* cutting(const FlatFace& piece, uint32_t body) const {
         const FlatFace* found = nullptr;
         anyOfAnother(piece, body, [&](uint32_t i) {
-            if (!crosses_.contains(body_[i]) || !isCutBy(piece, faces_[i], tolerance_)) return false;
+            if (!meets_.contains(body_[i]) || !isCutBy(piece, faces_[i], tolerance_)) return false;
             found = &faces_[i];
             return true;
         });
@@ -250,7 +251,7 @@ private:
     // What lies on another surface that looks the same way is the earlier body's.
     bool isCovered(const FlatFace& piece, uint32_t body) const {
         const dvec3 middle = largestTriangle(piece).middle(), off = 2 * tolerance_ * piece.normal;
-        return std::ranges::any_of(crosses_, [&](uint32_t other) {
+        return std::ranges::any_of(meets_, [&](uint32_t other) {
             if (other == body) return false;
             const TriangleRays& solid = *solids_.at(other);
             return solid.enclose(middle + off) || (other < body && solid.enclose(middle - off));
@@ -262,7 +263,7 @@ private:
     std::vector<FlatFace> faces_; // surface: the number among those given
     std::vector<uint32_t> body_;  // per flat face
     std::map<uint32_t, std::unique_ptr<TriangleRays>> solids_;
-    std::set<uint32_t> crosses_; // bodies
+    std::set<uint32_t> meets_; // bodies that meet others
     bool hasGlass_ = false;
     std::vector<Bounds> boxes_;
     std::optional<BoxTree> tree_;
@@ -271,8 +272,9 @@ private:
 } // namespace
 
 std::optional<UnitedSolids> uniteSolids(const std::vector<SoupFace>& faces,
-                                        const std::function<bool(uint32_t)>& isGlass, double tolerance) {
-    return SolidUniter(faces, isGlass, tolerance).unite();
+                                        const std::function<bool(uint32_t)>& isGlass, Solids which,
+                                        double tolerance) {
+    return SolidUniter(faces, isGlass, tolerance).unite(which);
 }
 
 } // namespace heliodon::geometry

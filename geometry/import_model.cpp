@@ -21,6 +21,7 @@
 #include "geometry/open_sheets.h"
 #include "geometry/outline_area.h"
 #include "geometry/raw_model.h"
+#include "geometry/room_measures.h"
 #include "geometry/sheet_surroundings.h"
 #include "geometry/shell_faces.h"
 #include "geometry/shell_nesting.h"
@@ -49,23 +50,45 @@ public:
     }
 
     Building import(const std::function<void()>& beforePart) {
+        std::optional<Building> drawn;
         try {
-            return importAsDrawnOrFitted(beforePart);
+            drawn = importAsDrawnOrFitted(beforePart);
+            if (!hasInsideOfWalls(*drawn) || !unite(Solids::thatTouch)) return std::move(*drawn);
         } catch (const InputError&) {
             if (!faces_.folded.empty()) throw foldError(*faces_.folded.begin());
-            const auto united = uniteSolids(faces_.soup, isGlass_, kWeldOfExtent * extent_);
-            if (!united) throw;
-            faces_.soup = united->faces;
-            faces_.warnings.push_back(
-                fmt::format("{} solids run into one another (one with the face at {}): what "
-                            "of them lies in others was left out",
-                            united->solids, model_.place(united->surface)));
-            strays_.clear(), whyNoPane_.reset(), insideOut_ = false;
+            if (!unite(Solids::thatTouch)) throw;
             return importAsDrawnOrFitted(beforePart);
+        }
+        try {
+            Building united = importAsDrawnOrFitted(beforePart);
+            return hasInsideOfWalls(united) ? std::move(*drawn) : std::move(united);
+        } catch (const InputError&) {
+            return std::move(*drawn);
         }
     }
 
 private:
+    bool hasInsideOfWalls(const Building& building) const {
+        return building.roomCount > 1 &&
+               std::ranges::any_of(measureRooms(ownTriangles(building)), [&](const RoomMeasures& room) {
+                   return isLikeInsideOfWalls(room, worldPerBuilding(building.vertices));
+               });
+    }
+
+    // For another import; false where there are none.
+    bool unite(Solids which) {
+        const auto united = uniteSolids(faces_.soup, isGlass_, which, kWeldOfExtent * extent_);
+        if (!united) return false;
+        faces_.soup = united->faces;
+        faces_.warnings.push_back(
+            fmt::format("{} solids {} one another (one with the face at {}): they were taken as "
+                        "one, of what lies in others nothing is seen",
+                        united->solids, which == Solids::thatCross ? "run into" : "touch or run into",
+                        model_.place(united->surface)));
+        strays_.clear(), whyNoPane_.reset(), insideOut_ = false;
+        return true;
+    }
+
     Building importAsDrawnOrFitted(const std::function<void()>& beforePart) {
         std::optional<InputError> asDrawn, blocks;
         auto made = importPanes(Drawn::slabs, beforePart);

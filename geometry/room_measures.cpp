@@ -137,6 +137,15 @@ PatchMesh ownTriangles(const Building& building) {
     return mesh;
 }
 
+double meanDepth(const RoomMeasures& room) {
+    return 2 * room.volume / room.surface;
+}
+
+bool isLikeInsideOfWalls(const RoomMeasures& room, double worldPerBuilding) {
+    constexpr double kThin = 0.4; // metres
+    return meanDepth(room) < kThin * worldPerBuilding && room.openings < 0.5 * room.surface;
+}
+
 std::vector<RoomMeasures> measureRooms(const PatchMesh& own, double step) {
     return RoomMeasurer(own, step).measure();
 }

@@ -32,6 +32,11 @@ PatchMesh ownTriangles(const Building& building);
 // shelves are none, while those of stairs and low platforms are.
 std::vector<RoomMeasures> measureRooms(const PatchMesh& own, double step = 0.25);
 
+// Twice its volume over its surface, metres: as deep as a thin room is.
+double meanDepth(const RoomMeasures& room);
+// As thin as walls are (`worldPerBuilding` world metres a metre of building), and not between two panes.
+bool isLikeInsideOfWalls(const RoomMeasures& room, double worldPerBuilding);
+
 // By how much the volume of a room may differ from that in ownTriangles() in its mesh, whose triangles are
 // chords of curved walls: of the room's volume, for the room where it is most. Negative where the mesh
 // encloses less.

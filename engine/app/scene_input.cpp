@@ -87,7 +87,6 @@ void reportClosure(Run& run, const geometry::ClosureReport& closure) {
 void reportImport(Run& run, const geometry::PatchMesh& mesh, const geometry::Building& building,
                   const geometry::PatchMesh& own, double worldPerBuilding) {
     constexpr double kStep = 0.25; // metres: more is no floor
-    constexpr double kThin = 0.4;  // metres
     const double foot = geometry::kMetresPerFoot * worldPerBuilding;
     const std::vector<geometry::RoomMeasures> rooms = geometry::measureRooms(own, kStep * worldPerBuilding);
     json& report = run.report();
@@ -102,12 +101,11 @@ void reportImport(Run& run, const geometry::PatchMesh& mesh, const geometry::Bui
     report["n_rooms"] = rooms.size();
     report["rooms"] = json::array();
     for (size_t r = 0; r < rooms.size(); ++r)
-        if (const double depth = 2 * rooms[r].volume / (rooms[r].surface * worldPerBuilding);
-            depth < kThin && rooms[r].openings < 0.5 * rooms[r].surface) // not between two panes
+        if (geometry::isLikeInsideOfWalls(rooms[r], worldPerBuilding))
             run.warn(
                 fmt::format("room {} is {:.2f} m deep on average, as the inside of walls is: the faces of a "
                             "model must bound the air of its rooms, not their walls",
-                            r, depth));
+                            r, geometry::meanDepth(rooms[r]) / worldPerBuilding));
     for (const geometry::RoomMeasures& room : rooms)
         report["rooms"].push_back({{"floor_area", room.floorArea / (foot * foot)},
                                    {"volume", room.volume / (foot * foot * foot)},

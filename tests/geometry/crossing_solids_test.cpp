@@ -109,7 +109,7 @@ TEST(CrossingSolids, a_cavity_is_no_part_of_a_solid) {
     add({{8, 2, 2}, {12, 3, 3}}, false, 0);          // through the house's wall
     add({dvec3(20), dvec3(21)}, false, 1);           // glass somewhere
     const auto united = uniteSolids(
-        faces, [](uint32_t material) { return material == 1; }, 1e-5);
+        faces, [](uint32_t material) { return material == 1; }, Solids::thatCross, 1e-5);
     ASSERT_TRUE(united);
     EXPECT_EQ(united->solids, 4u);
     double volumes = 0;
