@@ -215,7 +215,7 @@ private:
         if (ground.onGlass)
             throw InputError(model_.file, model_.place(*ground.onGlass),
                              "the ground is drawn through the glass of a window, expected it to end there");
-        const auto [fault, blind, loggia] =
+        const auto [fault, blind, loggia, low] =
             judgeSheets(ground.sheets, rooms.building, solids, lookIn(rooms),
                         worldPerBuilding(rooms.building.vertices), kPlanarOfExtent * extent_);
         if (fault)
@@ -234,6 +234,12 @@ private:
             warnings.push_back(fmt::format("a space before a window that lacks a side (of {} and others) "
                                            "was taken as a loggia, not as a room",
                                            model_.place(*loggia)));
+        if (low)
+            warnings.push_back(
+                fmt::format("a low space that lacks a side (of {} and others) was taken to stand "
+                            "outside, as a kennel, an open attic or a walled garden, not as a "
+                            "room",
+                            model_.place(*low)));
         if (!blind.empty())
             warnings.push_back(fmt::format(
                 "{} (the first at {}) {} at nothing but these: light enters past their edges alone",

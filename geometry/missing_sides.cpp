@@ -29,13 +29,17 @@ constexpr double kLowRoom = 2, kHighRoom = 3;
 constexpr double kFence = 2.05, kFenceOfRoom = 0.95; // the same, and at most that of the lowest room
 constexpr double kLowSpace = 1.6, kLowOfRoom = 0.8;  // likewise, on the mean: attics and dormers are lower
 constexpr double kNearFloor = 0.1;                   // of the height there: where roofs are about an attic
+// The same, without floor or ceiling: balustrades and planters are lower. Somewhere above holes in them.
+constexpr std::array kWallsOfLow{1.2, 1.4, 1.6, 1.8, 2.0};
+constexpr double kWideYard = 4; // of the lowest room's height: walls so far off are no low room's
+constexpr int kMostStorey = 8;  // low spaces one over another that are looked at, each way
 
 class SideFinder {
 public:
     SideFinder(const Building& sheets, const std::vector<FlatFace>& ofSheets, const Building& rooms,
                const std::vector<FlatFace>& ofRooms, const std::vector<FlatFace>& solidGround, bool looksIn,
                double worldPerBuilding, double tolerance)
-        : sheets_(ofSheets), looksIn_(looksIn), tolerance_(tolerance) {
+        : sheets_(ofSheets), looksIn_(looksIn), worldPerBuilding_(worldPerBuilding), tolerance_(tolerance) {
         height_ = heightOfLowRoom(rooms, worldPerBuilding);
         fence_ = heightOfFences(height_, worldPerBuilding);
         low_ = std::min(kLowSpace * worldPerBuilding, kLowOfRoom * height_);
@@ -56,7 +60,7 @@ public:
             if (!isSmall_[k]) count += sheets_[k].triangles.size();
         const size_t step = (count + kMostSamples - 1) / kMostSamples;
         MissingSides out;
-        double ofRoom = 0, ofLoggia = 0; // area of sides
+        std::array<double, 4> area{}; // by Space
         for (size_t k = 0; k < sheets_.size(); ++k) {
             if (isSmall_[k]) continue;
             for (const ShellTriangle& t : sheets_[k].triangles) {
@@ -65,21 +69,27 @@ public:
                     if (side < 0 && looksIn_) continue;
                     const Space space = before(t.middle(), side * sheets_[k].normal, reach_[k]);
                     if (space == Space::none) continue;
-                    (space == Space::room ? ofRoom : ofLoggia) +=
+                    area[space] +=
                         0.5 * glm::length(glm::cross(t.b - t.a, t.c - t.a)) * static_cast<double>(step);
-                    auto& first = space == Space::room ? out.room : out.loggia;
+                    auto& first = space == Space::room  ? out.room
+                                  : space == Space::low ? out.low
+                                                        : out.loggia;
                     if (!first) first = sheets_[k].surface;
                 }
             }
         }
         const double least = kLeastWalls * height_ * height_;
-        if (ofRoom <= least) out.room.reset();
-        if (ofLoggia <= least) out.loggia.reset();
+        if (area[Space::low] + area[Space::room] <= least)
+            out.low.reset();
+        else if (!out.low)
+            out.low = out.room;
+        if (area[Space::room] <= least) out.room.reset();
+        if (area[Space::loggia] <= least) out.loggia.reset();
         return out;
     }
 
 private:
-    enum class Space { none, room, loggia };
+    enum Space { none, room, loggia, low };
 
     // Per sheet, by what it hangs together with: whether that is small, and how far off what it sees may be
     // its room's: the length of the house, or of that where it has walls. A hall may be longer than the
@@ -96,10 +106,10 @@ private:
         dvec3 p;
         bool isLow = false; // no room unless it has floor and ceiling
     };
-    // Before a sheet, and half-way between what is above and below, no farther than a room is high: canopies
-    // with a border and roofs with a parapet are low. Without a ceiling above fences.
-    Middle middleBefore(dvec3 from, dvec3 way, double width) const {
-        const dvec3 p = from + std::min(0.5 * width, kLeastOfRoom * height_) * way, up(0, 1, 0);
+    // Half-way between what is above and below, no farther than a room is high: canopies with a border and
+    // roofs with a parapet are low. Without a ceiling above fences.
+    Middle middleOver(dvec3 p) const {
+        const dvec3 up(0, 1, 0);
         const double above = freeTo(p, up), below = freeTo(p, -up), middle = 0.5 * (above - below);
         const bool hasNoCeiling = above == height_ && below < height_;
         return {p + (hasNoCeiling ? std::max(middle, fence_ - below) : middle) * up, above + below < fence_};
@@ -158,24 +168,66 @@ private:
         return met >= kLeastOfWindow;
     }
 
+    static bool encloses(const Sides& sides) { return sides.above + sides.below + sides.about > kEnclosed; }
+
+    // Metres: of low spaces with floor and ceiling one over another, each without a wall, as what a gallery
+    // divides, with the one about `middle`.
+    double heightOfStack(dvec3 middle, double reach) const {
+        double sum = freeTo(middle, {0, 1, 0}) + freeTo(middle, {0, -1, 0});
+        for (const dvec3 way : {dvec3(0, 1, 0), dvec3(0, -1, 0)}) {
+            dvec3 p = middle;
+            for (int storey = 0; storey < kMostStorey; ++storey) {
+                const dvec3 beyond = p + (freeTo(p, way) + 2 * tolerance_) * way;
+                const double height = freeTo(beyond, way);
+                if (height >= fence_) break;
+                p = beyond + 0.5 * height * way;
+                const Sides sides = sidesAbout(p, reach);
+                if (!encloses(sides) || sides.above + sides.below < 2 || sides.isAllAbout) break;
+                sum += height;
+            }
+        }
+        return sum;
+    }
+
+    // With walls all about over a floor, or below a ceiling, without the other.
+    bool isLowBox(dvec3 p, double reach) const {
+        const dvec3 up(0, 1, 0);
+        const double above = freeTo(p, up), below = freeTo(p, -up);
+        if ((above < height_) == (below < height_)) return false;
+        return std::ranges::any_of(kWallsOfLow, [&](double metres) {
+            const double walls = metres * worldPerBuilding_;
+            return isAllAbout(p + (below < height_ ? walls - below : above - walls) * up,
+                              std::min(reach, kWideYard * height_));
+        });
+    }
+
+    bool isAllAbout(dvec3 p, double reach) const {
+        for (int k = 0; k < kAzimuths; ++k)
+            if (!all_->anyWithin(p, azimuth(k), reach)) return false;
+        return true;
+    }
+
     Space before(dvec3 middle, dvec3 way, double reach) const { // the side of a sheet there
         const dvec3 from = middle + 2 * tolerance_ * way;
         const double width = all_->nearest(from, way, 2 * kLeastOfRoom * height_); // wider ones are as good
-        if (width < kLeastOfRoom * height_) return Space::none;
-        const auto [p, isLow] = middleBefore(from, way, width);
+        if (width < kLeastOfRoom * height_) return none;
+        const dvec3 beside = from + std::min(0.5 * width, kLeastOfRoom * height_) * way;
+        const auto [p, isLow] = middleOver(beside);
         const Sides sides = sidesAbout(p, reach);
-        if (sides.above + sides.below + sides.about <= kEnclosed) return Space::none;
+        if (!encloses(sides)) return isLowBox(beside, reach) ? low : none;
         const bool lacksWall = sides.above == 1 && sides.below == 1;
-        if (isLow && (!lacksWall || sides.isAllAbout || meanHeight(p, reach) < low_)) return Space::none;
-        return lacksWall && seesWindow(p) ? Space::loggia : Space::room;
+        if (isLow && (!lacksWall || sides.isAllAbout ||
+                      (meanHeight(p, reach) < low_ && heightOfStack(p, reach) < low_)))
+            return low;
+        return lacksWall && seesWindow(p) ? loggia : room;
     }
 
     const std::vector<FlatFace>& sheets_;
-    std::optional<TriangleRays> all_, windows_,
-        solidGround_; // of what may be walls, of windows of rooms, as given
+    std::optional<TriangleRays> all_, windows_; // of what may be walls, of windows of rooms
     bool looksIn_;
-    double tolerance_, height_ = 1e300, fence_ = 0, low_ = 0; // the first of a low room, of what is none
-    std::vector<double> reach_;                               // per sheet, as is
+    double worldPerBuilding_, tolerance_, height_ = 1e300, fence_ = 0,
+                                          low_ = 0; // the first of a low room, of what is none
+    std::vector<double> reach_;                     // per sheet, as is
     std::vector<bool> isSmall_;
 };
 

@@ -22,9 +22,13 @@ struct MissingSides {
     // Of what has floor and ceiling and lacks a wall, before a window of a room at most one and a half rooms'
     // heights off.
     std::optional<uint32_t> loggia;
+    // Of what else lacks a side but is too low for a room. Without floor or ceiling: 1.2 m high or more, and
+    // no yard, with walls all about within four lowest rooms' heights.
+    std::optional<uint32_t> low;
 };
 
-// No room is what is lower than people are, unless it has floor and ceiling and is 1.6 m high on the mean; or
+// No room is what is lower than people are, unless it has floor and ceiling and is 1.6 m high on the mean, by
+// itself or with such spaces above and below that lack a wall too, as what sheets divide; or
 // has no ceiling and walls up to their height alone, as a garden with a fence, or whose walls are of parts
 // that do not hang together and are much smaller, as the leaves of a tree. `looksIn`: what is behind a sheet
 // is solid, as a neighbour without its floor. `ofSheets`, `ofRooms`, `solidGround`: flat faces, the last of

@@ -115,7 +115,7 @@ SheetVerdict judgeSheets(const std::vector<SoupFace>& sheets, const Building& ro
     const Building welded = weldFaces(sheets, 1, tolerance, true);
     const std::vector<FlatFace> ofSheets = flatFacesOf(welded), ofRooms = flatFacesOf(rooms);
     const SheetJudge judge(ofSheets, ofRooms, tolerance);
-    if (const auto fault = judge.fault()) return {fault, {}, {}};
+    if (const auto fault = judge.fault()) return {fault, {}, {}, {}};
     const GroundAndOthers parts = groundAmong(sheets, rooms, tolerance);
     const std::vector<FlatFace> solidGround =
         flatFacesOf(weldFaces(groundAmong(solids, rooms, tolerance).ground, 1, tolerance, true));
@@ -123,16 +123,18 @@ SheetVerdict judgeSheets(const std::vector<SoupFace>& sheets, const Building& ro
         missingSides(welded, ofSheets, rooms, ofRooms, solidGround, looksIn, worldPerBuilding, tolerance);
     if (!missing.room && parts.ground.size() + solidGround.size() > 0) {
         const Building others = weldFaces(parts.others, 1, tolerance, true);
-        missing.room = missingSides(others, flatFacesOf(others), rooms, ofRooms, {}, looksIn,
-                                    worldPerBuilding, tolerance)
-                           .room;
+        const MissingSides without = missingSides(others, flatFacesOf(others), rooms, ofRooms, {}, looksIn,
+                                                  worldPerBuilding, tolerance);
+        missing.room = without.room;
+        if (!missing.low) missing.low = without.low;
     }
     if (missing.room)
         return {SheetFault{*missing.room, "encloses with others a space of a room's size, but for a side: "
                                           "does that lack its wall, floor or ceiling?"},
                 {},
+                {},
                 {}};
-    return {std::nullopt, judge.blindWindows(), missing.loggia};
+    return {std::nullopt, judge.blindWindows(), missing.loggia, missing.low};
 }
 
 } // namespace heliodon::geometry

@@ -20,7 +20,7 @@ struct SheetVerdict {
     // Without fault: windows, by face of the rooms, that look at nothing but sheets, as behind an outer skin
     // without holes.
     std::vector<uint32_t> blindWindows;
-    std::optional<uint32_t> loggia; // without fault: as MissingSides has it
+    std::optional<uint32_t> loggia, low; // without fault: as MissingSides has them
 };
 
 // No fault where no sheet lies in a room, crosses a face of one or lies on its glass, and they enclose no

@@ -312,6 +312,88 @@ TEST(OpenSheets, a_low_room_without_a_wall_is_no_sheet) {
     }
 }
 
+namespace {
+
+// Without sides by number, as Drawing::room() has them; it looks in.
+void box(Drawing& drawing, dvec3 o, dvec3 size, const std::vector<int>& without) {
+    const dvec3 x(size.x, 0, 0), y(0, size.y, 0), z(0, 0, size.z);
+    const std::array<std::array<dvec3, 3>, 6> sides{
+        {{o, z, x}, {o + y, x, z}, {o, y, z}, {o + x, z, y}, {o + z, y, x}, {o, x, y}}};
+    for (int k = 0; k < 6; ++k)
+        if (const auto [at, u, v] = sides[static_cast<size_t>(k)];
+            std::ranges::find(without, k) == without.end())
+            drawing.sheet(at, u, v);
+}
+
+bool tellsOfLowSpace(Drawing& drawing) {
+    return std::ranges::any_of(drawing.read().warnings, [](const std::string& warning) {
+        return warning.starts_with("a low space that lacks a side");
+    });
+}
+
+} // namespace
+
+// By a gallery or by boards: each part is low, together they are a room.
+TEST(OpenSheets, a_room_without_a_wall_that_sheets_divide_is_none) {
+    const std::vector<std::vector<double>> divided{{0, 1.2, 2.7}, {0, 1.35, 2.7}, {0, 0.7, 1.4, 2.1, 2.7}};
+    for (const auto& levels : divided)
+        for (const int lower : {3, 4, 5})
+            for (const int upper : {3, 5}) {
+                Drawing drawing(false);
+                drawing.room(0, -1, true);
+                for (size_t k = 0; k + 1 < levels.size(); ++k)
+                    box(drawing, {6, levels[k], 0}, {4, levels[k + 1] - levels[k], 5},
+                        k == 0 ? std::vector{lower} : std::vector{0, upper});
+                EXPECT_THROW(drawing.read(), InputError) << levels.size() << ' ' << lower << ' ' << upper;
+            }
+}
+
+TEST(OpenSheets, low_spaces_that_lack_a_side_are_told) {
+    for (const auto& [height, without] : {std::pair(1.1, 5), {1.5, 3}, {1.5, 1}, {1.4, 0}, {2.0, 1}}) {
+        Drawing drawing(false);
+        drawing.room(0, -1, true);
+        box(drawing, {6, 0, 0}, {4, height, 5}, {without});
+        SCOPED_TRACE(height);
+        expectOutside(drawing, "low", "5", false);
+        EXPECT_TRUE(tellsOfLowSpace(drawing)) << height << ' ' << without;
+    }
+    Drawing dormer(false);
+    dormer.room(0, -1, true);
+    box(dormer, {1, 2.5, 1}, {2, 1.5, 2}, {0, 5});
+    EXPECT_TRUE(tellsOfLowSpace(dormer));
+    for (const bool hole : {false, true}) { // above it what has no ceiling is closed about
+        Drawing drawing(false);
+        drawing.room(0, -1, true);
+        box(drawing, {6, 0, 0}, {4, 2, 5}, {1, 5});
+        for (const double left : {6.0, 9.0}) drawing.sheet({left, 0, 0}, {1, 0, 0}, {0, 2, 0});
+        drawing.sheet({7, 1.5, 0}, {2, 0, 0}, {0, 0.5, 0});
+        if (!hole) drawing.sheet({7, 0, 0}, {2, 0, 0}, {0, 1.5, 0});
+        EXPECT_TRUE(tellsOfLowSpace(drawing)) << hole;
+    }
+}
+
+// Balustrades, and gardens that are wide or have a gate.
+TEST(OpenSheets, terraces_and_gardens_are_not_told_as_rooms) {
+    const std::vector<Sheets> cases{[](Drawing& d) {
+                                        box(d, {0, 2.5, 0}, {4, 1.1, 5}, {0, 1});
+                                    },
+                                    [](Drawing& d) { fence(d, 1.8); },
+                                    [](Drawing& d) {
+                                        ground(d), box(d, {-15, 0, -15}, {34, 1.8, 35}, {0, 1});
+                                    },
+                                    [](Drawing& d) {
+                                        ground(d), box(d, {6, 0, 0}, {4, 1.8, 5}, {0, 1, 5});
+                                        for (const double left : {6.0, 8.5})
+                                            d.sheet({left, 0, 0}, {1.5, 0, 0}, {0, 1.8, 0});
+                                    }};
+    for (size_t k = 0; k < cases.size(); ++k) {
+        Drawing drawing(false);
+        drawing.room(0, -1, true);
+        cases[k](drawing);
+        EXPECT_FALSE(tellsOfLowSpace(drawing)) << k;
+    }
+}
+
 // However much larger than the closed one; three walls of four are a yard.
 TEST(OpenSheets, a_hall_without_its_ceiling_is_no_sheet) {
     for (const bool yard : {false, true}) {
