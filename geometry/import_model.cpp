@@ -3,6 +3,7 @@
 #include <map>
 #include <optional>
 #include <set>
+#include <tuple>
 #include <utility>
 
 #include <fmt/format.h>
@@ -215,7 +216,7 @@ private:
         if (ground.onGlass)
             throw InputError(model_.file, model_.place(*ground.onGlass),
                              "the ground is drawn through the glass of a window, expected it to end there");
-        const auto [fault, blind, loggia, low] =
+        const auto [fault, blind, missing] =
             judgeSheets(ground.sheets, rooms.building, solids, lookIn(rooms),
                         worldPerBuilding(rooms.building.vertices), kPlanarOfExtent * extent_);
         if (fault)
@@ -230,16 +231,15 @@ private:
             warnings.push_back(fmt::format("the ground ({} and others of it) runs on through rooms: what "
                                            "lies in them was left out, their floors are as drawn",
                                            model_.place(*ground.surface)));
-        if (loggia)
-            warnings.push_back(fmt::format("a space before a window that lacks a side (of {} and others) "
-                                           "was taken as a loggia, not as a room",
-                                           model_.place(*loggia)));
-        if (low)
-            warnings.push_back(
-                fmt::format("a low space that lacks a side (of {} and others) was taken to stand "
-                            "outside, as a kennel, an open attic or a walled garden, not as a "
-                            "room",
-                            model_.place(*low)));
+        for (const auto& [found, what, as] :
+             {std::tuple(missing.loggia, "a space before a window", "a loggia"),
+              {missing.court, "a space before windows", "a courtyard"},
+              {missing.low, "a low space", "outside, as a kennel, an open attic or a walled garden"}})
+            if (found)
+                warnings.push_back(
+                    fmt::format("{} that lacks its {} (of {} and others) was taken as {}, not as a "
+                                "room",
+                                what, found->side, model_.place(found->surface), as));
         if (!blind.empty())
             warnings.push_back(fmt::format(
                 "{} (the first at {}) {} at nothing but these: light enters past their edges alone",

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "geometry/triangle_rays.h"
@@ -13,15 +14,17 @@ namespace {
 
 using glm::dvec3;
 
-constexpr size_t kMostSamples = 4000;  // triangles of sheets that are looked from, about
-constexpr double kEnclosed = 4.5;      // of six sides, the four about counted by their angles
-constexpr int kAzimuths = 24;          // ways that are looked along about, and
-constexpr double kLeastOfRoom = 0.25;  // of the lowest room's height: what is narrower is none
-constexpr double kLeastWalls = 0.5;    // of its square: so much of a room's walls
-constexpr double kLeastWhole = 0.5;    // of it: smaller ones are no walls
-constexpr double kLeastSteep = 0.1;    // of the area of what has walls
-constexpr double kDeepLoggia = 1.5;    // of the lowest room's height
-constexpr int kLeastOfWindow = 2;      // of kAzimuths
+constexpr size_t kMostSamples = 4000; // triangles of sheets that are looked from, about
+constexpr double kEnclosed = 4.5;     // of six sides, the four about counted by their angles
+constexpr int kAzimuths = 24;         // ways that are looked along about, and
+constexpr double kLeastOfRoom = 0.25; // of the lowest room's height: what is narrower is none
+constexpr double kLeastWalls = 0.5;   // of its square: so much of a room's walls
+constexpr double kLeastWhole = 0.5;   // of it: smaller ones are no walls
+constexpr double kLeastSteep = 0.1;   // of the area of what has walls
+constexpr double kDeepLoggia = 1.5;   // of the lowest room's height
+constexpr int kLeastOfWindow = 2;     // of kAzimuths
+constexpr double kCourtStep = 0.3;    // of the lowest room's height: where windows on courts are looked for
+constexpr int kCourtSteps = 24;
 constexpr double kOffVertical = 0.176; // tangent: up and down are four ways, not along a joint
 
 // Metres of a building: neither an attic nor a hall says how high the least room is.
@@ -60,36 +63,40 @@ public:
             if (!isSmall_[k]) count += sheets_[k].triangles.size();
         const size_t step = (count + kMostSamples - 1) / kMostSamples;
         MissingSides out;
-        std::array<double, 4> area{}; // by Space
+        std::array<double, kSpaces.size()> area{}; // of each
         for (size_t k = 0; k < sheets_.size(); ++k) {
             if (isSmall_[k]) continue;
             for (const ShellTriangle& t : sheets_[k].triangles) {
                 if (next++ % step != 0) continue;
                 for (const double side : {1.0, -1.0}) {
                     if (side < 0 && looksIn_) continue;
-                    const Space space = before(t.middle(), side * sheets_[k].normal, reach_[k]);
-                    if (space == Space::none) continue;
-                    area[space] +=
+                    const Found found = before(t.middle(), side * sheets_[k].normal, reach_[k]);
+                    if (found.space == none) continue;
+                    area[found.space] +=
                         0.5 * glm::length(glm::cross(t.b - t.a, t.c - t.a)) * static_cast<double>(step);
-                    auto& first = space == Space::room  ? out.room
-                                  : space == Space::low ? out.low
-                                                        : out.loggia;
-                    if (!first) first = sheets_[k].surface;
+                    auto& first = out.*kSpaces[found.space];
+                    if (!first) first = LackingSide{sheets_[k].surface, found.lacks};
                 }
             }
         }
         const double least = kLeastWalls * height_ * height_;
-        if (area[Space::low] + area[Space::room] <= least)
+        if (area[low] + area[room] <= least)
             out.low.reset();
         else if (!out.low)
             out.low = out.room;
-        if (area[Space::room] <= least) out.room.reset();
-        if (area[Space::loggia] <= least) out.loggia.reset();
+        for (const Space space : {room, loggia, court})
+            if (area[space] <= least) (out.*kSpaces[space]).reset();
         return out;
     }
 
 private:
-    enum Space { none, room, loggia, low };
+    enum Space { room, loggia, court, low, none };
+    static constexpr std::array kSpaces{&MissingSides::room, &MissingSides::loggia, &MissingSides::court,
+                                        &MissingSides::low};
+    struct Found {
+        Space space = none;
+        const char* lacks = "";
+    };
 
     // Per sheet, by what it hangs together with: whether that is small, and how far off what it sees may be
     // its room's: the length of the house, or of that where it has walls. A hall may be longer than the
@@ -154,17 +161,31 @@ private:
         return out;
     }
 
-    static dvec3 azimuth(int k) {
+    static dvec3 azimuth(double k) {
         const double turn = 2 * std::numbers::pi * (k + 0.37) / kAzimuths;
         return {std::cos(turn), 0, std::sin(turn)};
     }
 
-    bool seesWindow(dvec3 p) const {
+    int waysToWindows(dvec3 p, double reach, double turned = 0) const { // of kAzimuths
         int met = 0;
         for (int k = 0; k < kAzimuths; ++k) {
-            const double off = windows_->nearest(p, azimuth(k), kDeepLoggia * height_);
-            met += std::isfinite(off) && !all_->anyWithin(p, azimuth(k), off - tolerance_);
+            const double off = windows_->nearest(p, azimuth(k + turned), reach);
+            met += std::isfinite(off) && !all_->anyWithin(p, azimuth(k + turned), off - tolerance_);
         }
+        return met;
+    }
+
+    // Open to the sky, before windows of any storey.
+    bool isCourt(dvec3 p, double reach) const {
+        constexpr double kFar = std::numeric_limits<double>::infinity();
+        const dvec3 up(0, 1, 0);
+        const double below = all_->nearest(p, -up, kFar);
+        if (!std::isfinite(below) || all_->anyWithin(p, up, kFar)) return false;
+        const dvec3 floor = p - below * up;
+        int met = 0;
+        for (int k = 1; k <= kCourtSteps && met < kLeastOfWindow; ++k)
+            met += waysToWindows(floor + k * kCourtStep * height_ * up, reach,
+                                 static_cast<double>(k) / kCourtSteps);
         return met >= kLeastOfWindow;
     }
 
@@ -190,15 +211,18 @@ private:
     }
 
     // With walls all about over a floor, or below a ceiling, without the other.
-    bool isLowBox(dvec3 p, double reach) const {
+    Found lowBox(dvec3 p, double reach) const {
         const dvec3 up(0, 1, 0);
         const double above = freeTo(p, up), below = freeTo(p, -up);
-        if ((above < height_) == (below < height_)) return false;
-        return std::ranges::any_of(kWallsOfLow, [&](double metres) {
+        const bool hasFloor = below < height_;
+        if (hasFloor == (above < height_)) return {};
+        for (const double metres : kWallsOfLow) {
             const double walls = metres * worldPerBuilding_;
-            return isAllAbout(p + (below < height_ ? walls - below : above - walls) * up,
-                              std::min(reach, kWideYard * height_));
-        });
+            if (isAllAbout(p + (hasFloor ? walls - below : above - walls) * up,
+                           std::min(reach, kWideYard * height_)))
+                return {low, hasFloor ? "ceiling" : "floor"};
+        }
+        return {};
     }
 
     bool isAllAbout(dvec3 p, double reach) const {
@@ -207,19 +231,22 @@ private:
         return true;
     }
 
-    Space before(dvec3 middle, dvec3 way, double reach) const { // the side of a sheet there
+    Found before(dvec3 middle, dvec3 way, double reach) const { // the side of a sheet there
         const dvec3 from = middle + 2 * tolerance_ * way;
         const double width = all_->nearest(from, way, 2 * kLeastOfRoom * height_); // wider ones are as good
-        if (width < kLeastOfRoom * height_) return none;
+        if (width < kLeastOfRoom * height_) return {};
         const dvec3 beside = from + std::min(0.5 * width, kLeastOfRoom * height_) * way;
         const auto [p, isLow] = middleOver(beside);
         const Sides sides = sidesAbout(p, reach);
-        if (!encloses(sides)) return isLowBox(beside, reach) ? low : none;
+        if (!encloses(sides)) return lowBox(beside, reach);
+        const char* lacks = sides.below < 1 ? "floor" : sides.above < 1 ? "ceiling" : "wall";
         const bool lacksWall = sides.above == 1 && sides.below == 1;
         if (isLow && (!lacksWall || sides.isAllAbout ||
                       (meanHeight(p, reach) < low_ && heightOfStack(p, reach) < low_)))
-            return low;
-        return lacksWall && seesWindow(p) ? loggia : room;
+            return {low, lacks};
+        if (sides.below == 1 && isCourt(p, reach)) return {court, "ceiling"};
+        const bool isLoggia = lacksWall && waysToWindows(p, kDeepLoggia * height_) >= kLeastOfWindow;
+        return {isLoggia ? loggia : room, lacks};
     }
 
     const std::vector<FlatFace>& sheets_;

@@ -16,15 +16,21 @@ double heightOfLowRoom(const Building& rooms, double worldPerBuilding);
 // World metres: what is lower is no room, beside rooms of which the lowest is so high.
 double heightOfFences(double lowRoom, double worldPerBuilding);
 
-// SoupFace::surface of a sheet; none where nothing is such.
+struct LackingSide {
+    uint32_t surface; // SoupFace's, of a sheet of what lacks it
+    const char* side; // "wall", "floor" or "ceiling"
+};
+
+// None where nothing is such.
 struct MissingSides {
-    std::optional<uint32_t> room; // of what lacks its wall, floor or ceiling
-    // Of what has floor and ceiling and lacks a wall, before a window of a room at most one and a half rooms'
-    // heights off.
-    std::optional<uint32_t> loggia;
-    // Of what else lacks a side but is too low for a room. Without floor or ceiling: 1.2 m high or more, and
-    // no yard, with walls all about within four lowest rooms' heights.
-    std::optional<uint32_t> low;
+    std::optional<LackingSide> room;
+    // Has floor and ceiling and lacks a wall, before a window of a room at most one and a half rooms' heights
+    // off.
+    std::optional<LackingSide> loggia;
+    std::optional<LackingSide> court; // lacks its ceiling, windows of rooms look at it
+    // Whatever lacks a side but is too low for a room. Without floor or ceiling: 1.2 m high or more, and no
+    // yard, with walls all about within four lowest rooms' heights.
+    std::optional<LackingSide> low;
 };
 
 // No room is what is lower than people are, unless it has floor and ceiling and is 1.6 m high on the mean, by

@@ -6,7 +6,9 @@
 #include <limits>
 #include <numbers>
 #include <optional>
+#include <string_view>
 
+#include <fmt/format.h>
 #include <glm/geometric.hpp>
 #include <glm/trigonometric.hpp>
 
@@ -16,7 +18,6 @@
 #include "geometry/face_crossing.h"
 #include "geometry/flat_faces.h"
 #include "geometry/ground_in_rooms.h"
-#include "geometry/missing_sides.h"
 #include "geometry/outline_area.h"
 #include "geometry/perpendicular.h"
 #include "geometry/triangle_rays.h"
@@ -115,7 +116,7 @@ SheetVerdict judgeSheets(const std::vector<SoupFace>& sheets, const Building& ro
     const Building welded = weldFaces(sheets, 1, tolerance, true);
     const std::vector<FlatFace> ofSheets = flatFacesOf(welded), ofRooms = flatFacesOf(rooms);
     const SheetJudge judge(ofSheets, ofRooms, tolerance);
-    if (const auto fault = judge.fault()) return {fault, {}, {}, {}};
+    if (const auto fault = judge.fault()) return {fault, {}, {}};
     const GroundAndOthers parts = groundAmong(sheets, rooms, tolerance);
     const std::vector<FlatFace> solidGround =
         flatFacesOf(weldFaces(groundAmong(solids, rooms, tolerance).ground, 1, tolerance, true));
@@ -129,12 +130,14 @@ SheetVerdict judgeSheets(const std::vector<SoupFace>& sheets, const Building& ro
         if (!missing.low) missing.low = without.low;
     }
     if (missing.room)
-        return {SheetFault{*missing.room, "encloses with others a space of a room's size, but for a side: "
-                                          "does that lack its wall, floor or ceiling?"},
-                {},
+        return {SheetFault{missing.room->surface,
+                           fmt::format("encloses with others a space of a room's size that lacks {}",
+                                       missing.room->side == std::string_view("wall")
+                                           ? "a wall or has a hole in one"
+                                           : fmt::format("its {}", missing.room->side))},
                 {},
                 {}};
-    return {std::nullopt, judge.blindWindows(), missing.loggia, missing.low};
+    return {std::nullopt, judge.blindWindows(), missing};
 }
 
 } // namespace heliodon::geometry

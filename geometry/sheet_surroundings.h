@@ -3,16 +3,18 @@
 
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "geometry/building.h"
 #include "geometry/face_soup.h"
+#include "geometry/missing_sides.h"
 
 namespace heliodon::geometry {
 
 struct SheetFault {
     uint32_t surface;  // SoupFace's, of the sheet
-    const char* words; // what it does: "lies in a room ..."
+    std::string words; // what it does: "lies in a room ..."
 };
 
 struct SheetVerdict {
@@ -20,7 +22,7 @@ struct SheetVerdict {
     // Without fault: windows, by face of the rooms, that look at nothing but sheets, as behind an outer skin
     // without holes.
     std::vector<uint32_t> blindWindows;
-    std::optional<uint32_t> loggia, low; // without fault: as MissingSides has them
+    MissingSides missing; // without fault; no room
 };
 
 // No fault where no sheet lies in a room, crosses a face of one or lies on its glass, and they enclose no

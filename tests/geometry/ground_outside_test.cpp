@@ -147,7 +147,7 @@ TEST(GroundOutside, a_room_without_a_side_that_the_ground_divides_is_no_sheet) {
         try {
             drawing.read();
         } catch (const InputError& error) {
-            return std::string(error.what()).find("but for a side") != std::string::npos;
+            return std::string(error.what()).find("that lacks") != std::string::npos;
         }
         return false;
     };

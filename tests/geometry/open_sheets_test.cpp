@@ -327,11 +327,32 @@ void box(Drawing& drawing, dvec3 o, dvec3 size, const std::vector<int>& without)
 
 bool tellsOfLowSpace(Drawing& drawing) {
     return std::ranges::any_of(drawing.read().warnings, [](const std::string& warning) {
-        return warning.starts_with("a low space that lacks a side");
+        return warning.starts_with("a low space that lacks its ");
     });
 }
 
 } // namespace
+
+// Deep and narrow ones, too. The same without a window on it is a room without its ceiling.
+TEST(OpenSheets, courts_are_taken_with_a_word) {
+    for (const double height : {2.5, 9.0})
+        for (const bool window : {true, false}) {
+            Drawing drawing(false);
+            drawing.room(0, -1, true);
+            drawing.sheet({0, 2.5, 0}, {4, 0, 0}, {0, height - 2.4, 0});
+            drawing.sheet({0, 2.5, 5}, {4, 0, 0}, {0, height - 2.4, 0});
+            box(drawing, {0, 0, window ? -3.0 : 5.0}, {4, height, 3}, {1, window ? 4 : 5});
+            if (!window) {
+                EXPECT_THROW(drawing.read(), InputError) << height;
+                continue;
+            }
+            expectOutside(drawing, "court", "6");
+            EXPECT_TRUE(std::ranges::any_of(drawing.read().warnings, [](const std::string& warning) {
+                return warning.find("lacks its ceiling") != std::string::npos &&
+                       warning.find("as a courtyard") != std::string::npos;
+            })) << height;
+        }
+}
 
 // By a gallery or by boards: each part is low, together they are a room.
 TEST(OpenSheets, a_room_without_a_wall_that_sheets_divide_is_none) {
