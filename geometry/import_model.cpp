@@ -139,19 +139,21 @@ private:
     }
 
     ModelRooms rooms(const std::set<uint32_t>& made, const std::function<void()>& beforePart) const {
-        ModelRooms out = [&] {
-            try {
-                return roomsOfModel(model_, faces_, extent_, made, beforePart);
-            } catch (const InputError&) {
-                auto beside = roomsBesideSheets(made, beforePart);
-                if (!beside) throw;
-                return std::move(*beside);
-            }
-        }();
-        for (const uint32_t f : out.source)
+        std::optional<ModelRooms> out;
+        try {
+            out = roomsOfModel(model_, faces_, extent_, made, beforePart);
+        } catch (const InputError&) {
+            out = roomsBesideSheets(made, beforePart);
+            if (!out) throw;
+        }
+        if (!out->sheets.empty()) {
+            const GroundOutside sheets{std::exchange(out->sheets, {}), {}, {}};
+            judge(sheets, solidsAmong(faces_.soup, *out), false, *out);
+        }
+        for (const uint32_t f : out->source)
             if (const auto folded = faces_.folded.find(f); folded != faces_.folded.end())
                 throw foldError(*folded);
-        return out;
+        return std::move(*out);
     }
 
     InputError foldError(const std::pair<const uint32_t, double>& folded) const {
@@ -195,10 +197,12 @@ private:
         };
         auto out = roomsAmong(sheets.open);
         if (!out) return std::nullopt;
-        const GroundOutside ground = groundOutside(
+        GroundOutside ground = groundOutside(
             sheets.open, out->building, worldPerBuilding(out->building.vertices), kPlanarOfExtent * extent_);
         if (ground.surface) out = roomsAmong(ground.sheets);
-        if (out) judge(ground, solidsAmong(sheets.closed, *out), *out);
+        if (!out) return std::nullopt;
+        std::ranges::move(std::exchange(out->sheets, {}), std::back_inserter(ground.sheets));
+        judge(ground, solidsAmong(sheets.closed, *out), lookIn(*out), *out);
         return out;
     }
 
@@ -211,13 +215,14 @@ private:
         return out;
     }
 
-    // Warns of sheets, or throws where they are none that stand outside.
-    void judge(const GroundOutside& ground, const std::vector<SoupFace>& solids, ModelRooms& rooms) const {
+    // Warns of sheets, or throws where they are none that stand outside. `looksIn`: as judgeSheets() has it.
+    void judge(const GroundOutside& ground, const std::vector<SoupFace>& solids, bool looksIn,
+               ModelRooms& rooms) const {
         if (ground.onGlass)
             throw InputError(model_.file, model_.place(*ground.onGlass),
                              "the ground is drawn through the glass of a window, expected it to end there");
         const auto [fault, blind, missing] =
-            judgeSheets(ground.sheets, rooms.building, solids, lookIn(rooms),
+            judgeSheets(ground.sheets, rooms.building, solids, looksIn,
                         worldPerBuilding(rooms.building.vertices), kPlanarOfExtent * extent_);
         if (fault)
             throw InputError(

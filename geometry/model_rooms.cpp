@@ -80,7 +80,7 @@ private:
             if (isUsed(material)) building_.warnings.push_back(doubt);
         building_.warnings.insert(building_.warnings.end(), faces_.warnings.begin(), faces_.warnings.end());
         warnOfGround();
-        return {std::move(building_), std::move(source_)};
+        return {std::move(building_), std::move(source_), std::move(sheets_)};
     }
 
     // Rooms without windows that are as large and low beside those with as the ground.
@@ -182,6 +182,7 @@ private:
         try {
             proveRooms();
             outer_ = space->outer;
+            sheets_ = space->sheets;
             return true;
         } catch (const InputError&) { // what was wrong before says more
             std::tie(building_, source_, turnedOver_) = before;
@@ -478,7 +479,7 @@ private:
     const std::set<uint32_t>& made_;
     std::function<bool(uint32_t)> isGlass_ = [this](uint32_t m) { return model_.materials[m].isOpening(); };
     Building building_;
-    std::vector<SoupFace> outer_;          // seen from outside of all rooms alone
+    std::vector<SoupFace> outer_, sheets_; // seen from outside of all rooms alone, and as ModelRooms has them
     uint32_t bodies_ = 0;                  // that stand outside, numbered as the last rooms
     std::vector<uint32_t> source_, shell_; // per face
     uint32_t shellCount_ = 0;

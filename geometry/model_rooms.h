@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "geometry/building.h"
+#include "geometry/face_soup.h"
 #include "geometry/model_faces.h"
 #include "geometry/raw_model.h"
 
@@ -17,6 +18,7 @@ namespace heliodon::geometry {
 struct ModelRooms {
     Building building;
     std::vector<uint32_t> source; // per face of it, its number in the file
+    std::vector<SoupFace> sheets; // outside of all rooms: as SharedWalls has them
 };
 
 // `extent`: of the model, metres. `made`: faces of the file in whose place `faces` has panes that may look

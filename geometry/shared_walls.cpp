@@ -7,14 +7,36 @@
 
 #include "geometry/box_tree.h"
 #include "geometry/counted.h"
+#include "geometry/disjoint_sets.h"
 #include "geometry/face_crossing.h"
 #include "geometry/flat_faces.h"
 #include "geometry/room_parts.h"
+#include "geometry/shell_faces.h"
 #include "geometry/space_parts.h"
 
 namespace heliodon::geometry {
 
 namespace {
+
+// Those that hang together with an edge of one alone: others enclose something, as neighbours that overlap.
+std::vector<SoupFace> openAmong(const std::vector<SoupFace>& sheets, double tolerance) {
+    std::vector<SoupFace> numbered = sheets;
+    for (uint32_t k = 0; k < numbered.size(); ++k) numbered[k].surface = k;
+    const Building welded = weldFaces(numbered, 1, tolerance, true);
+    DisjointSets wholes(sheets.size());
+    std::set<uint32_t> edged; // sheets
+    for (const auto& [edge, faces] : facesOfEdges(welded)) {
+        const uint32_t one = welded.faces[faces[0]].surface;
+        if (faces.size() == 1) edged.insert(one);
+        for (const uint32_t f : faces) wholes.join(one, welded.faces[f].surface);
+    }
+    std::set<uint32_t> open;
+    for (const uint32_t k : edged) open.insert(wholes.root(k));
+    std::vector<SoupFace> out;
+    for (uint32_t k = 0; k < sheets.size(); ++k)
+        if (open.contains(wholes.root(k))) out.push_back(sheets[k]);
+    return out;
+}
 
 // What each room sees of each sheet.
 class RoomSides {
@@ -41,9 +63,12 @@ public:
             addSides(f, all[0], out.faces, outside);
             const size_t sides = out.faces.size() - before;
             if (sides == 0 &&
-                std::ranges::none_of(all, [&](uint32_t k) { return isGlass_(faces_[k].material); }))
+                std::ranges::none_of(all, [&](uint32_t k) { return isGlass_(faces_[k].material); })) {
                 out.outer.insert(out.outer.end(),
                                  outside.begin() + static_cast<std::ptrdiff_t>(outsideBefore), outside.end());
+                if (space_.partAt(f, 0) == space_.partAt(f, 1))
+                    out.sheets.push_back(outside[outsideBefore + (sheet.drawn[0].empty() ? 1 : 0)]);
+            }
             shared += sides == 2;
             if (sides == 1 && all.size() > 1) meeting.insert(all.begin(), all.end());
         }
@@ -52,6 +77,7 @@ public:
         out.repairs = repairs(shared, meeting.size());
         out.warnings = rooms_.warnings;
         out.outside = weldFaces(outside, 1, tolerance_);
+        out.sheets = openAmong(out.sheets, tolerance_);
         if (unclear_ || (out.repairs.empty() && out.warnings.empty())) return std::nullopt;
         return out;
     }

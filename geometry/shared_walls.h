@@ -23,7 +23,8 @@ struct SharedWalls {
     std::vector<std::string> warnings; // on what is solid and what is a room; empty when there is no doubt
     std::vector<std::array<uint32_t, 2>> pairs; // given faces (`surface`) that lie on one another
     std::vector<SoupFace>
-        outer;        // opaque, seen from outside of all rooms alone, as the outsides of thick walls
+        outer; // opaque, seen from outside of all rooms alone, as the outsides of thick walls
+    std::vector<SoupFace> sheets; // of `outer`, what encloses nothing though each edge of it ends on others
     Building outside; // the same as one closed shell seen from outside: to be proven free of crossings
 };
 

@@ -354,6 +354,27 @@ TEST(OpenSheets, courts_are_taken_with_a_word) {
         }
 }
 
+// No edge of its floor is open. Before a window it is a court, else one room less in silence.
+TEST(OpenSheets, a_room_without_ceiling_or_floor_between_four_others_is_none) {
+    for (const bool window : {true, false})
+        for (const double level : {0.0, 0.1, 2.5}) {
+            Drawing drawing(false);
+            drawing.room(0, -1, window);
+            for (const double left : {-3.0, 4.0}) box(drawing, {left, 0, -7}, {3, 2.5, 12}, {});
+            box(drawing, {0, 0, -7}, {4, 2.5, 3}, {});
+            drawing.sheet({0, level, -4}, {0, 0, 4}, {4, 0, 0});
+            if (!window || level == 2.5) {
+                EXPECT_THROW(drawing.read(), InputError) << level;
+                continue;
+            }
+            const Building building = drawing.read();
+            EXPECT_EQ(building.roomCount, 4u);
+            EXPECT_TRUE(std::ranges::any_of(building.warnings, [](const std::string& warning) {
+                return warning.find("as a courtyard") != std::string::npos;
+            })) << level;
+        }
+}
+
 // By a gallery or by boards: each part is low, together they are a room.
 TEST(OpenSheets, a_room_without_a_wall_that_sheets_divide_is_none) {
     const std::vector<std::vector<double>> divided{{0, 1.2, 2.7}, {0, 1.35, 2.7}, {0, 0.7, 1.4, 2.1, 2.7}};
