@@ -112,7 +112,7 @@ private:
         throw InputError(
             model_.file, model_.place(*made->without),
             "the glass bounds no room, nor does any other: something crosses it, or the model is "
-            "open elsewhere");
+            "open elsewhere, as where a door in a thick wall is not drawn");
     }
 
     struct WithGlass {

@@ -133,7 +133,7 @@ SheetVerdict judgeSheets(const std::vector<SoupFace>& sheets, const Building& ro
         return {SheetFault{missing.room->surface,
                            fmt::format("encloses with others a space of a room's size that lacks {}",
                                        missing.room->side == std::string_view("wall")
-                                           ? "a wall or has a hole in one"
+                                           ? "a wall, or a door or glass in one"
                                            : fmt::format("its {}", missing.room->side))},
                 {},
                 {}};

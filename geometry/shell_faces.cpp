@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <set>
 
+#include <fmt/format.h>
 #include <glm/geometric.hpp>
 
 #include "geometry/disjoint_sets.h"
@@ -28,25 +29,44 @@ ShellFaces refused(std::vector<uint32_t> faces, std::string what) {
     return out;
 }
 
-// Faces with an open edge. Where other parts of the model are closed, it is not a hole in these that is
-// meant.
+// The faces along each border of edges that have one alone.
+std::vector<std::vector<uint32_t>> openBorders(const Building& building,
+                                               const std::map<Edge, std::vector<uint32_t>>& edges) {
+    DisjointSets corners(building.vertices.size());
+    for (const auto& [edge, faces] : edges)
+        if (faces.size() == 1) corners.join(edge.first, edge.second);
+    std::map<uint32_t, std::vector<uint32_t>> borders;
+    for (const auto& [edge, faces] : edges)
+        if (faces.size() == 1) borders[corners.root(edge.first)].push_back(faces[0]);
+    std::vector<std::vector<uint32_t>> out;
+    for (auto& [corner, faces] : borders) out.push_back(std::move(faces));
+    std::ranges::sort(out, {}, [](const auto& faces) { return std::ranges::min(faces); });
+    return out;
+}
+
+// Faces along the first open border. Where other parts of the model are closed, all such faces: it is not a
+// hole in these that is meant.
 ShellFaces openFaces(const Building& building, const std::map<Edge, std::vector<uint32_t>>& edges) {
+    const auto borders = openBorders(building, edges);
+    if (borders.empty()) return {};
     DisjointSets parts(building.faces.size());
     for (const auto& [edge, faces] : edges)
         for (const uint32_t f : faces) parts.join(faces[0], f);
-    std::vector<uint32_t> open;
-    std::set<uint32_t> openParts, allParts;
-    for (const auto& [edge, faces] : edges)
-        if (faces.size() == 1) {
-            open.push_back(faces[0]);
-            openParts.insert(parts.root(faces[0]));
-        }
-    if (open.empty()) return {};
+    std::set<uint32_t> openParts, allParts, open;
+    for (const auto& border : borders) open.insert(border.begin(), border.end());
+    for (const uint32_t f : open) openParts.insert(parts.root(f));
     for (uint32_t f = 0; f < building.faces.size(); ++f) allParts.insert(parts.root(f));
-    if (openParts.size() == allParts.size())
-        return refused(open, "the model is not closed: an edge of this face has no neighbour");
-    return refused(open, "the model is not closed: this face is of a part that encloses nothing, as a sheet "
-                         "without thickness (others are closed)");
+    if (openParts.size() < allParts.size())
+        return refused({open.begin(), open.end()},
+                       "the model is not closed: this face is of a part that encloses nothing, as a sheet "
+                       "without thickness (others are closed)");
+    std::string what = "the model is not closed: an edge of this face has no neighbour";
+    if (borders.size() > 1) what += fmt::format(", on the first of {} open borders", borders.size());
+    const auto isOfFirst = [&](uint32_t f) {
+        return building.faces[f].surface == building.faces[*open.begin()].surface;
+    };
+    if (!std::ranges::all_of(open, isOfFirst)) what += ": close the hole, or draw its door or glass";
+    return refused(borders[0], std::move(what));
 }
 
 } // namespace

@@ -255,7 +255,8 @@ TEST(DirtyModel, a_sheet_in_a_closed_room_is_told_from_a_hole_in_the_room) {
     for (const bool triangulated : {false, true})
         expectRefused(triangulated ? triangles(model) : model, "lies in a room, a sheet without thickness");
     model.faces.erase(model.faces.begin());
-    expectRefused(model, "an edge of this face has no neighbour");
+    expectRefused(model,
+                  "an edge of this face has no neighbour, on the first of 2 open borders: close the hole");
 }
 
 TEST(DirtyModel, a_corner_on_another_faces_edge_divides_it) {
