@@ -6,6 +6,8 @@
 #include <map>
 #include <utility>
 
+#include <glm/vector_relational.hpp>
+
 #include "geometry/box_tree.h"
 #include "geometry/face_crossing.h"
 #include "geometry/missing_sides.h"
@@ -127,6 +129,34 @@ std::map<uint32_t, Body> bodiesOf(const Building& welded, const std::vector<Flat
     return bodies;
 }
 
+bool holds(const Bounds& box, const Bounds& inner, double tolerance) {
+    return glm::all(glm::lessThanEqual(box.low - tolerance, inner.low)) &&
+           glm::all(glm::greaterThanEqual(box.high + tolerance, inner.high));
+}
+
+// Of what has walls and glass, or is the smallest about glass that hangs together with no wall, as in reveals
+// that are not cut there.
+Bounds boxOfHouses(const std::map<uint32_t, Body>& bodies, double tolerance) {
+    Bounds out{dvec3(1e300), dvec3(-1e300)};
+    const auto add = [&](const Bounds& box) {
+        out = {glm::min(out.low, box.low), glm::max(out.high, box.high)};
+    };
+    for (const auto& [id, body] : bodies) {
+        if (!body.hasGlass) continue;
+        if (body.hasWalls) {
+            add(body.whole.box);
+            continue;
+        }
+        const Bounds* least = nullptr;
+        for (const auto& [other, about] : bodies)
+            if (about.hasWalls && holds(about.whole.box, body.whole.box, tolerance) &&
+                (!least || areaFromAbove(about.whole.box) < areaFromAbove(*least)))
+                least = &about.whole.box;
+        if (least) add(*least);
+    }
+    return out;
+}
+
 } // namespace
 
 bool isMuchLarger(const Bounds& ground, const Bounds& rooms) {
@@ -139,10 +169,7 @@ std::optional<OpenSheets> openGround(const std::vector<SoupFace>& faces,
     const std::vector<FlatFace> flat = flatFacesOf(welded);
     const std::vector<Whole> wholes = wholesOf(welded, flat);
     const std::map<uint32_t, Body> bodies = bodiesOf(welded, flat, wholes, isGlass);
-    Bounds house{dvec3(1e300), dvec3(-1e300)};
-    for (const auto& [id, body] : bodies)
-        if (body.hasGlass && body.hasWalls)
-            house = {glm::min(house.low, body.whole.box.low), glm::max(house.high, body.whole.box.high)};
+    const Bounds house = boxOfHouses(bodies, tolerance);
     if (house.low.x > house.high.x) return std::nullopt;
     const auto isGroundBody = [&](const Body& body) {
         return !body.hasGlass && body.isClosed && isLevel(body.whole) &&

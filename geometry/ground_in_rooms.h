@@ -17,9 +17,9 @@ namespace heliodon::geometry {
 bool isMuchLarger(const Bounds& ground, const Bounds& rooms);
 
 // Takes the ground off where it is drawn as a solid: what hangs together, is closed, has no glass (`isGlass`
-// of a material), is level for the most part, covers three times the area of all that has glass in walls, or
-// more, and reaches below that. Of it what looks up is open, the rest goes. None where there is no such body,
-// or nothing else. Corners are one within `tolerance` (metres). Cost: n log n.
+// of a material), is level for the most part, covers three times the area of all that has glass in or between
+// walls, or more, and reaches below that. Of it what looks up is open, the rest goes. None where there is no
+// such body, or nothing else. Corners are one within `tolerance` (metres). Cost: n log n.
 std::optional<OpenSheets> openGround(const std::vector<SoupFace>& faces,
                                      const std::function<bool(uint32_t)>& isGlass, double tolerance);
 

@@ -97,6 +97,43 @@ TEST(GroundOutside, ground_drawn_as_a_solid_is_cut_too) {
         }
 }
 
+// The pane stands in the middle of its reveal, whose faces are not cut there.
+TEST(GroundOutside, a_house_with_thick_walls_reaches_into_solid_ground) {
+    constexpr double kThick = 0.3;
+    const auto rectangle = [](double left, double low, double right, double high, double z) {
+        return std::array<dvec3, 4>{{{left, low, z}, {right, low, z}, {right, high, z}, {left, high, z}}};
+    };
+    const auto hole = [&](double z) { return rectangle(1, 0.8, 3, 2, z); };
+    for (const double top : {-0.1, 0.5}) {
+        Drawing drawing(false);
+        const dvec3 x(4, 0, 0), y(0, 2.5, 0), z(0, 0, 5), t(kThick);
+        for (const bool outer : {false, true}) {
+            const dvec3 o = outer ? -t : dvec3(0), u = x + (outer ? dvec3(2 * kThick, 0, 0) : dvec3(0)),
+                        v = y + (outer ? dvec3(0, 2 * kThick, 0) : dvec3(0)),
+                        w = z + (outer ? dvec3(0, 0, 2 * kThick) : dvec3(0));
+            for (const auto& [at, a, b] : {std::tuple(o, w, u), std::tuple(o + v, u, w), std::tuple(o, v, w),
+                                           std::tuple(o + u, w, v), std::tuple(o + w, v, u)})
+                outer ? drawing.sheet(at, b, a) : drawing.sheet(at, a, b);
+            const auto wall = rectangle(o.x, o.y, o.x + u.x, o.y + v.y, o.z), opening = hole(o.z);
+            for (size_t k = 0; k < 4; ++k) {
+                const size_t next = (k + 1) % 4;
+                if (outer)
+                    drawing.face("wall", {opening[k], opening[next], wall[next], wall[k]});
+                else
+                    drawing.face("wall", {wall[k], wall[next], opening[next], opening[k]});
+            }
+        }
+        const auto inner = hole(0), outer = hole(-kThick), pane = hole(-kThick / 2);
+        for (size_t k = 0; k < 4; ++k)
+            drawing.face("wall", {inner[k], inner[(k + 1) % 4], outer[(k + 1) % 4], outer[k]});
+        drawing.face("glass", {pane.begin(), pane.end()});
+        solid(drawing, {-20, top - 3, -20}, {44, 3, 45});
+        const Building building = drawing.read();
+        EXPECT_EQ(building.roomCount, 1u) << top;
+        EXPECT_NEAR(volume(meshBuilding(building, {300})), 50 + 2 * 1.2 * kThick / 2, 1e-4) << top;
+    }
+}
+
 // As a grid of heights is drawn; one of a room's would make another room.
 TEST(GroundOutside, terrain_may_be_of_bent_quads) {
     const auto quads = [](Drawing& drawing, double y) {
