@@ -22,6 +22,7 @@ using glm::dvec3;
 
 constexpr double kMuchLarger = 3;  // than the rooms, from above
 constexpr double kMostSteep = 0.5; // of its area
+constexpr double kFiner = 0.1;     // than what sheets outside may touch rooms by: gentle slopes along a floor
 constexpr double kLevel = 0.25;    // of a normal: slopes, not partitions that stand on the ground
 
 class GroundCutter {
@@ -192,7 +193,7 @@ std::optional<OpenSheets> openGround(const std::vector<SoupFace>& faces,
 
 GroundOutside groundOutside(const std::vector<SoupFace>& sheets, const Building& rooms,
                             double worldPerBuilding, double tolerance) {
-    const GroundCutter cutter(rooms, worldPerBuilding, tolerance);
+    const GroundCutter cutter(rooms, worldPerBuilding, kFiner * tolerance);
     const Building welded = weldedByNumber(sheets, tolerance);
     const std::vector<FlatFace> faces = flatFacesOf(welded);
     const std::vector<Whole> wholes = wholesOf(welded, faces);

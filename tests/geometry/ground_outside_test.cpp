@@ -4,12 +4,15 @@
 #include <tuple>
 #include <vector>
 
+#include <glm/vec2.hpp>
 #include <gtest/gtest.h>
 
 #include "geometry/input_error.h"
 #include "tests/geometry/sheet_drawing.h"
 
 namespace heliodon::geometry {
+
+using glm::dvec2;
 
 // What corners are one, and what is flat, the glass says, not what stands around.
 TEST(GroundOutside, ground_and_terrain_however_wide_leave_small_parts_of_rooms_as_they_are) {
@@ -94,6 +97,20 @@ TEST(GroundOutside, ground_drawn_as_a_solid_is_cut_too) {
                 EXPECT_THROW(drawing.read(), InputError);
             else
                 expectOutside(drawing, "solid", overhang ? "2" : "1");
+        }
+}
+
+// Where it rises by millimetres it is as near to the floor as what touches it.
+TEST(GroundOutside, gentle_slopes_through_a_floor_are_cut) {
+    for (const double slope : {0.0005, 0.002, 0.01})
+        for (const dvec2 way : {dvec2(0.6, 0.8), dvec2(-0.28, 0.96), dvec2(1, 0)}) {
+            Drawing drawing(false);
+            drawing.room(0, -1, true);
+            const auto at = [&](double x, double z) {
+                return dvec3(x, slope * (way.x * (x - 1.3) + way.y * (z - 2.1)), z);
+            };
+            drawing.face("wall", {at(-20, -20), at(-20, 25), at(24, 25), at(24, -20)});
+            expectOutside(drawing, "slope", "1");
         }
 }
 
