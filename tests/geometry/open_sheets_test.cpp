@@ -314,11 +314,9 @@ TEST(OpenSheets, a_low_room_without_a_wall_is_no_sheet) {
 
 namespace {
 
-// Without sides by number, as Drawing::room() has them; it looks in.
+// Without sides by number.
 void box(Drawing& drawing, dvec3 o, dvec3 size, const std::vector<int>& without) {
-    const dvec3 x(size.x, 0, 0), y(0, size.y, 0), z(0, 0, size.z);
-    const std::array<std::array<dvec3, 3>, 6> sides{
-        {{o, z, x}, {o + y, x, z}, {o, y, z}, {o + x, z, y}, {o + z, y, x}, {o, x, y}}};
+    const auto sides = Drawing::sidesOf(o, size);
     for (int k = 0; k < 6; ++k)
         if (const auto [at, u, v] = sides[static_cast<size_t>(k)];
             std::ranges::find(without, k) == without.end())

@@ -53,15 +53,19 @@ public:
         for (size_t k = 0; k < corners.size(); ++k) out_ << ' ' << next_++;
         out_ << '\n';
     }
+    // By corner and edges, that look in: floor, ceiling, left, right, back, front.
+    static std::array<std::array<dvec3, 3>, 6> sidesOf(dvec3 o, dvec3 size) {
+        const dvec3 x(size.x, 0, 0), y(0, size.y, 0), z(0, 0, size.z);
+        return {{{o, z, x}, {o + y, x, z}, {o, y, z}, {o + x, z, y}, {o + z, y, x}, {o, x, y}}};
+    }
+
     // Looks along u x v.
     void sheet(dvec3 o, dvec3 u, dvec3 v) { face("wall", {o, o + u, o + u + v, o + v}); }
 
-    // Faces that look in, each smaller by `gap` all round, without that of number `without`: floor, ceiling,
-    // left, right, back, front.
+    // sidesOf(), each smaller by `gap` all round, without that of number `without`.
     void room(double left, int without, bool window, double gap = 0, double base = 0, double sill = 0.8) {
-        const dvec3 o(left, base, 0), x(4, 0, 0), y(0, 2.5, 0), z(0, 0, deep);
-        const std::array<std::array<dvec3, 3>, 6> sides{
-            {{o, z, x}, {o + y, x, z}, {o, y, z}, {o + x, z, y}, {o + z, y, x}, {o, x, y}}};
+        const dvec3 o(left, base, 0), x(4, 0, 0), y(0, 2.5, 0);
+        const auto sides = sidesOf(o, {4, 2.5, deep});
         for (int k = 0; k < (window ? 5 : 6); ++k) {
             const auto [at, u, v] = sides[static_cast<size_t>(k)];
             const dvec3 du = gap * glm::normalize(u), dv = gap * glm::normalize(v);
