@@ -52,20 +52,22 @@ public:
 
     Building import(const std::function<void()>& beforePart) {
         std::optional<Building> drawn;
+        std::optional<InputError> wrong;
         try {
             drawn = importAsDrawnOrFitted(beforePart);
-            if (!hasInsideOfWalls(*drawn) || !unite(Solids::thatTouch)) return std::move(*drawn);
-        } catch (const InputError&) {
+            if (!hasInsideOfWalls(*drawn)) return std::move(*drawn);
+        } catch (const InputError& error) {
             if (!faces_.folded.empty()) throw foldError(*faces_.folded.begin());
-            if (!unite(Solids::thatTouch)) throw;
-            return importAsDrawnOrFitted(beforePart);
+            wrong = error;
         }
         try {
-            Building united = importAsDrawnOrFitted(beforePart);
-            return hasInsideOfWalls(united) ? std::move(*drawn) : std::move(united);
-        } catch (const InputError&) {
-            return std::move(*drawn);
+            if (uniteSolidsThatMeet())
+                if (Building united = importAsDrawnOrFitted(beforePart); !drawn || !hasInsideOfWalls(united))
+                    return united;
+        } catch (const InputError&) { // what is wrong as it is drawn says more
         }
+        if (wrong) throw *wrong;
+        return std::move(*drawn);
     }
 
 private:
@@ -77,15 +79,14 @@ private:
     }
 
     // For another import; false where there are none.
-    bool unite(Solids which) {
-        const auto united = uniteSolids(faces_.soup, isGlass_, which, kWeldOfExtent * extent_);
+    bool uniteSolidsThatMeet() {
+        const auto united = uniteSolids(faces_.soup, isGlass_, kWeldOfExtent * extent_);
         if (!united) return false;
         faces_.soup = united->faces;
-        faces_.warnings.push_back(
-            fmt::format("{} solids {} one another (one with the face at {}): they were taken as "
-                        "one, of what lies in others nothing is seen",
-                        united->solids, which == Solids::thatCross ? "run into" : "touch or run into",
-                        model_.place(united->surface)));
+        faces_.warnings.push_back(fmt::format(
+            "{} solids that touch or run into one another (one with the face at {}) were taken as "
+            "one: of what lies in others nothing is seen",
+            united->solids, model_.place(united->surface)));
         strays_.clear(), whyNoPane_.reset(), insideOut_ = false;
         return true;
     }
