@@ -24,7 +24,7 @@ constexpr size_t kStripes = 16; // of rows of blocks: their sums are added in on
 constexpr double kOfSpread = 4.5; // area of a triangle of half a square over its spread
 // Of the claim, over what samples say and over what links do: rays find too little that a light slot is there
 // at all (measured; in rooms of many patches near pairs count for little).
-constexpr double kCaution = 1.2, kNearCaution = 2;
+constexpr double kCaution = 1.2, kNearCaution = 2.2;
 constexpr double kPercentile = 2.326;     // standard deviations up to the 99th
 constexpr double kSample = 1000;          // far pairs, about, that links measure again
 constexpr double kSampleTolerance = 0.05; // of what the largest of those alike exchange in the open
@@ -319,6 +319,11 @@ size_t addPoints(Hemicube& hemicube, const geometry::PatchMesh& mesh, std::span<
     return rows.size();
 }
 
+// Of a pair of patches, in either order.
+uint64_t keyOf(uint32_t i, uint32_t j) {
+    return uint64_t{std::min(i, j)} << 32 | std::max(i, j);
+}
+
 // Pairs of patches by links between their triangles.
 class PairLinks {
 public:
@@ -331,8 +336,8 @@ public:
         for (uint32_t a : leavesOf_[i])
             for (uint32_t b : leavesOf_[j]) maker_.add(std::min(a, b), std::max(a, b));
     }
-    // Calls take(i, j, exchange, its error) for what was added, once a pair of triangles, in one order. What
-    // rays that agreed have missed is taken off, and counts as error.
+    // Calls take(i, j, exchange, its standard error, what was taken off) for what was added, once a pair of
+    // triangles, in one order. What rays that agreed have missed is taken off, of all by one factor.
     template<class Take> void finish(const Patches& patches, const Take& take) {
         std::vector<io::HierarchicalLink> links = maker_.finish(), all = links;
         LinkClaims(scene_.tree, patches.area, all).takeUnseen(links);
@@ -342,7 +347,7 @@ public:
                                   &b = scene_.tree.leaves[scene_.tree.nodes[link.second].firstLeaf];
             const double taken = double{all[k].density} - double{link.density};
             take(a.patch, b.patch, double{link.density} * a.area * b.area,
-                 (double{link.error} + taken) * a.area * b.area);
+                 double{link.error} * a.area * b.area, taken * a.area * b.area);
         }
     }
 
@@ -352,22 +357,36 @@ private:
     std::vector<std::vector<uint32_t>> leavesOf_; // per patch
 };
 
+// By what an exchange may err: its triangles' parts each by itself, but all alike by what was taken off.
+struct ExchangeError {
+    uint32_t i, j;
+    double square = 0, taken = 0;
+};
+
 // Returns the 99th percentile of the sum of the squares of their entries' errors, by what the links claim.
 double setNearPairs(PairLinks& links, std::span<const glm::uvec2> pairs, double tolerance,
                     const Patches& patches, float* F) {
     const size_t n = patches.count();
     links.setTolerance(tolerance);
     for (const glm::uvec2& pair : pairs) links.add(pair.x, pair.y);
-    double sum = 0, squares = 0;
-    links.finish(patches, [&](uint32_t i, uint32_t j, double exchange, double error) {
+    std::vector<ExchangeError> errors;
+    std::unordered_map<uint64_t, size_t> at; // of these, by pair of patches
+    links.finish(patches, [&](uint32_t i, uint32_t j, double exchange, double error, double taken) {
         F[i * n + j] += static_cast<float>(exchange * patches.perArea[i]);
         F[j * n + i] += static_cast<float>(exchange * patches.perArea[j]);
+        const auto [found, isNew] = at.try_emplace(keyOf(i, j), errors.size());
+        if (isNew) errors.push_back({i, j});
+        errors[found->second].square += error * error;
+        errors[found->second].taken += taken;
+    });
+    double sum = 0, squares = 0;
+    for (const ExchangeError& e : errors) {
         // No form factor is off by more than one, whatever an estimate makes of tiny patches before large
         // ones.
-        const double variance = patches.squareInRows(i, j, error);
+        const double variance = patches.squareInRows(e.i, e.j, std::sqrt(e.square) + e.taken);
         sum += variance;
         squares += variance * variance;
-    });
+    }
     return sum > 0 ? sum * chiSquaredOverMean(chiSquaredSpread(sum, squares), kPercentile) : 0;
 }
 
@@ -389,11 +408,11 @@ double sampledError(PairLinks& links, std::span<Sample> samples, const Patches& 
         links.setTolerance(tolerance * 2 * least);
         for (; end < samples.size() && (samples[end].size >= least || least == kLeastSize); ++end) {
             Sample& s = samples[end];
-            at[uint64_t{s.i} << 32 | s.j] = &s;
+            at[keyOf(s.i, s.j)] = &s;
             links.add(s.i, s.j);
         }
-        links.finish(patches, [&](uint32_t i, uint32_t j, double exchange, double) {
-            at.at(uint64_t{std::min(i, j)} << 32 | std::max(i, j))->measured += exchange;
+        links.finish(patches, [&](uint32_t i, uint32_t j, double exchange, double, double) {
+            at.at(keyOf(i, j))->measured += exchange;
         });
         first = end;
     }
