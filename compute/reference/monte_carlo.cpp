@@ -52,7 +52,8 @@ dvec3 cosineDirection(dvec2 s) {
     return {r * d.x, r * d.y, std::sqrt(std::max(0.0, 1 - r * r))};
 }
 
-// The patch met first, or -1; `front` says which side.
+// The patch met first, or -1; `front` says which side: of two back to back, as far apart as doubles round,
+// the front.
 int64_t nearest(const geometry::PatchMesh& mesh, uint32_t self, dvec3 o, dvec3 d, bool& front) {
     double reach = std::numeric_limits<double>::infinity();
     int64_t result = -1;
@@ -65,10 +66,12 @@ int64_t nearest(const geometry::PatchMesh& mesh, uint32_t self, dvec3 o, dvec3 d
             const double determinant = glm::dot(e, p);
             const double u = glm::dot(o - a, p) / determinant, v = glm::dot(d, q) / determinant;
             const double t = glm::dot(f, q) / determinant;
-            if (!(u >= 0 && v >= 0 && u + v <= 1 && t > 1e-9 && t < reach)) continue;
+            const bool isFront = determinant > 0;
+            const double tie = result >= 0 && isFront != front ? 1e-10 * reach : 0;
+            if (!(u >= 0 && v >= 0 && u + v <= 1 && t > 1e-9 && t < reach + (isFront ? tie : -tie))) continue;
             reach = t;
             result = static_cast<int64_t>(j);
-            front = determinant > 0;
+            front = isFront;
         }
     }
     return result;

@@ -12,7 +12,9 @@ const uint kBvhNothing = 0xffffffffu;
 const float kBvhPlane = 1e-6; // of lengths: rounding errors of heights over a triangle's plane
 const uint kBvhTexels = 4u; // of a triangle
 // Of two patches back to back, without thickness, the front is met, whichever rounding puts first: nearer to one another
-// than so many flatnesses, along their normal, and than this share of the distance.
+// than so many flatnesses, along their normal, and than this share of the distance. Where both planes are one, so that a
+// ray's height over one falls as that over the other rises (to within as much), only the former counts: a ray that
+// begins 2 cm over a sheet in a room meets both sides 1e-5 of the distance apart, by rounding, and farther from nearer.
 const float kBvhTieHeight = 2.0, kBvhTie = 1e-5;
 
 struct BvhRay {
@@ -72,7 +74,7 @@ BvhCrossing crossingOf(BvhRay ray, uint at) {
 // The nearest patch that a ray meets, times two, plus one seen from behind; kBvhNothing when there is none. Patches
 // of other rooms, `self`, and planes nearer to the origin than `flatness` are not there.
 uint nearestPatch(BvhRay ray, uint self, uint room, float flatness) {
-    float reach = kHuge;
+    float reach = kHuge, rise = 0.0;
     uint result = kBvhNothing, node = 0u;
     [[dont_unroll]] while (node < ray.end) {
         uint leaf = nextLeaf(ray, reach * (1.0 + kBvhTie), node);
@@ -80,11 +82,12 @@ uint nearestPatch(BvhRay ray, uint self, uint room, float flatness) {
         [[dont_unroll]] do {
             BvhCrossing c = crossingOf(ray, at);
             float isBack = c.rise < 0.0 ? 0.0 : 1.0, wasBack = float(result & 1u);
+            float tie = abs(c.rise + rise) <= kBvhTie ? kHuge : kBvhTie * reach;
             bool hit = k < count && c.patch_ != self && c.room == room && c.inside && c.t > 0.0 &&
-                       c.t < reach + (wasBack - isBack) *
-                                         min(kBvhTie * reach, kBvhTieHeight * flatness / abs(c.rise)) &&
+                       c.t < reach + (wasBack - isBack) * min(tie, kBvhTieHeight * flatness / abs(c.rise)) &&
                        abs(c.height) > flatness;
             reach = hit ? c.t : reach;
+            rise = hit ? c.rise : rise;
             result = hit ? 2u * c.patch_ + (c.rise < 0.0 ? 0u : 1u) : result;
             at += kBvhTexels;
             ++k;

@@ -162,6 +162,24 @@ TEST(MonteCarlo, screens_without_thickness_lose_no_rays) {
     }
 }
 
+// Rays that start millimetres over a sheet's plane meet both its sides as far apart as rounding is beside
+// that height, a ten-thousandth of the distance: a quarter of them ended on the back.
+TEST(MonteCarlo, rays_from_beside_the_edge_of_a_screen_meet_its_front) {
+    // One of 24 strips round the upright edge of a room, and a sheet that begins there.
+    const auto corner = [](double k, double y) {
+        const double turn = k * std::numbers::pi / 48;
+        return glm::dvec3(0.05 - 0.05 * std::cos(turn), y, 0.05 - 0.05 * std::sin(turn));
+    };
+    const std::vector<glm::dvec3> strip{corner(12, 0), corner(13, 0), corner(13, 2), corner(12, 2)},
+        front{{0.03, 0.2, 0.03}, {0.03, 1.7, 0.03}, {1.23, 1.7, 1.03}, {1.23, 0.2, 1.03}};
+    const geometry::PatchMesh mesh = test::polygons({strip, front, {front.rbegin(), front.rend()}});
+    const auto F = MonteCarlo(test::device(), mesh, {16384}).run().factors.values.download<float>(9);
+    const double exact = reference::exactFormFactors(mesh, 1e-6)[1], four = 4 * std::sqrt(exact / 16384);
+    EXPECT_NEAR(F[1], exact, four);
+    const reference::MonteCarloRow row = reference::monteCarloRow(mesh, 0, 16384);
+    EXPECT_NEAR((row.hits[0][1] + row.hits[1][1]) / 16384.0, exact, four);
+}
+
 // Loops longer than devices let them be (shaders/lib/loop_limit.glsl): half the hits of these rays went
 // missing.
 TEST(MonteCarlo, rays_past_thousands_of_boxes_are_followed_to_their_ends) {
