@@ -38,6 +38,8 @@ constexpr double kQuickFrom = 3e-5; // row error from which four points settle m
 constexpr double kLinesFrom = 3e-5; // and from which lines across far pieces cost less than exact borders
 constexpr double kCutsFrom = 1e-4;  // and down from which large patches behind crowds are cut
 constexpr uint32_t kLineLevels = 3; // halvings of a piece in exact_lines.comp
+// Over what cells behind crowds err by, each by itself, as they estimate it: of rows, and of single entries.
+constexpr double kCrowdRows = 1, kCrowdEntries = 2.6;
 constexpr double kRowCaution = 1.3; // of single rows over their estimates, so that 99 of 100 hold (measured)
 
 class Solver {
@@ -284,7 +286,7 @@ private:
         RefinementForecast forecast(byCells);
         for (uint32_t done = 0; done < byCells; done += batch)
             refine(kernel, records, first + done, std::min(batch, byCells - done), forecast);
-        finish(records, first, count, a, b);
+        finish(records, first, count, a, b, true);
     }
 
     // How many; they stand at the end then.
@@ -320,11 +322,12 @@ private:
             left = std::min(counters_[io::kExactCellCount], left);
             if (level < kLineLevels) statistics.cells += uint64_t{left} << (2 * (level + 1));
         }
-        finish(fewRecords_, 0, count, a, b);
+        finish(fewRecords_, 0, count, a, b, false);
     }
 
+    // `byCells`: sums are as exact_cubature.glsl leaves them.
     void finish(const gpu::Buffer& records, uint32_t first, uint32_t count, const ExactTileRange& a,
-                const ExactTileRange& b) {
+                const ExactTileRange& b, bool byCells) {
         gpu::Commands commands(device_);
         for (uint32_t done = 0; done < count; done += kChunk) {
             const uint32_t part = std::min(kChunk, count - done);
@@ -334,7 +337,7 @@ private:
                               gpu::groupsFor(part, io::kExactGroup));
         }
         device_.submitAndWait(std::move(commands));
-        collectErrors(records, first, count);
+        collectErrors(records, first, count, byCells);
     }
 
     // A pair becomes at most four cells for each triangle of a piece that another's plane has cut.
@@ -408,29 +411,35 @@ private:
         return counters_[io::kExactCellCount];
     }
 
-    void collectErrors(const gpu::Buffer& list, uint32_t first, uint32_t count) {
+    void collectErrors(const gpu::Buffer& list, uint32_t first, uint32_t count, bool byCells) {
+        const uint32_t mostExact =
+            cellTolerance_ < io::kExactCrowdTolerance ? io::kExactCrowdExact : io::kExactCrowd;
         const gpu::HostView<io::ExactRecord> records(list, count, first * sizeof(io::ExactRecord));
         const gpu::HostView<uint32_t> sums(sums_, kSumWords * count, 4 * kSumWords * first);
         for (uint32_t k = 0; k < count; ++k) {
             const uint32_t* sum = sums.data() + kSumWords * k;
-            const double error = (sum[2] + sum[3] / double{io::kExactFraction}) / double{io::kExactOne};
+            const double added = (sum[2] + sum[3] / double{io::kExactFraction}) / double{io::kExactOne};
             const io::ExactRecord& r = records[k];
-            const double back = error * scene_.area[r.outer] / scene_.area[r.inner];
+            const bool crowd = byCells && r.listed > mostExact;
+            const double error = crowd ? std::sqrt(added) : added,
+                         back = error * scene_.area[r.outer] / scene_.area[r.inner];
             if (r.listed > 0) ++statistics.partial;
-            claim(r.outer, r.inner, error);
-            claim(r.inner, r.outer, back);
+            claim(r.outer, r.inner, error, crowd);
+            claim(r.inner, r.outer, back, crowd);
         }
     }
 
     // A patch's row is the mean of its pieces' rows by area, its error at most the root of their mean square.
     // Errors of an entry's pairs of pieces are independent: of patches cut in 25, their sum would be 25 times
     // as large.
-    void claim(uint32_t from, uint32_t to, double error) {
+    void claim(uint32_t from, uint32_t to, double estimate, bool crowd) {
         const uint32_t patch = scene_.pieces[from].patch;
         const float share = scene_.shareOfPatch[from];
+        const double error = crowd ? kCrowdRows * estimate : estimate,
+                     ofEntry = crowd ? kCrowdEntries * estimate : estimate;
         rowSquares_[patch] += error * error * double{share};
         if (entrySquares_.empty()) return;
-        const float most = (static_cast<float>(error) + tolerance_) * share;
+        const float most = (static_cast<float>(ofEntry) + tolerance_) * share;
         entrySquares_[size_t{patch} * scene_.patchCount + scene_.pieces[to].patch] += most * most;
     }
 

@@ -70,7 +70,7 @@ float seen(vec2 at) {
     float share = 1.0;
     NO_UNROLL for (bool once = linesLost && !hidden; once; once = false) {
         share = litShareAlongLines(innerFrame, origin, point, outerFace.normal, pair.r.inner, nearCount,
-                                   foursFor(pair.r.listed));
+                                   foursFor(nearCount));
         lineCount = 0;
     }
     float lit = hidden ? 0.0 : share * max(0.0, litFactor(innerFrame, point, outerFace.normal, pair.innerSize));

@@ -13,6 +13,10 @@ const uint kExactCarry = 2u;                // units that 2^32 of those are
 const uint kExactCellWords = 7u;            // a cell of cubature: record, three corners in the plane of the outer piece
 const uint kExactFew = 2u; // so many blockers are quickly done, when no face has more corners than these
 const uint kExactFewCorners = 4u;
+// More blockers than these are looked at along lines, which errs from point to point: where little may be wrong, that
+// takes more cells than exact borders cost.
+const uint kExactCrowd = 12u, kExactCrowdExact = 64u;
+const float kExactCrowdTolerance = 1e-4f;
 const uint kExactLongList = 160u; // 256 points behind more blockers are too much at once, lib/loop_limit.glsl
 
 // Counters, one uint each. Lists and records that do not fit are counted, not written: the host asks again for fewer

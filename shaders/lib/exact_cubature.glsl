@@ -25,7 +25,7 @@ layout(set = 0, binding = 5, scalar) buffer Records { ExactRecord records[]; };
 layout(set = 0, binding = 6, scalar) readonly buffer Lists { uint lists[]; };
 layout(set = 0, binding = 7, scalar) readonly buffer Cells { uint cells[]; };
 layout(set = 0, binding = 8, scalar) buffer Counters { uint counters[]; };
-layout(set = 0, binding = 9, scalar) buffer Sums { uvec4 sums[]; }; // per record: form factor, error, with fractions
+layout(set = 0, binding = 9, scalar) buffer Sums { uvec4 sums[]; }; // per record: form factor, error (crowded(): its square), with fractions
 layout(set = 0, binding = 10, scalar) writeonly buffer NextCells { uint nextCells[]; };
 layout(push_constant, scalar) uniform Push { ExactCellsParams params; };
 
@@ -63,19 +63,30 @@ float gapAt(vec2 at);
 // where rounding would count borders of both shadows twice, or not at all.
 float sightOf(Face blocker) { return blocker.more == 0u ? 0.0 : pair.r.outer < pair.r.inner ? 1.0 : -1.0; }
 
-// More blockers than these are looked at along lines, which errs from point to point: where little may be wrong, that
-// takes more cells than exact borders cost.
-const uint kCrowd = 12u, kCrowdExact = 64u;
-const float kCrowdTolerance = 1e-4;
-bool crowded() { return pair.r.listed > (params.tolerance < kCrowdTolerance ? kCrowdExact : kCrowd); }
+// Cells of such pairs err each by itself: squares of their errors add up.
+bool crowded() {
+    return pair.r.listed > (params.tolerance < kExactCrowdTolerance ? kExactCrowdExact : kExactCrowd);
+}
 
 // In the open the rule of degree 5 errs much less: by 20 in rooms; where slivers cross, less than 4.
 const float kSmooth = 0.25;
-const float kNoise = 0.15; // error of the mean of seven independent points, of what differs from point to point
+// Of seven independent points: error of their sum over the root of the squares that a plane through them leaves, which
+// has four degrees of freedom. Of four, over what differs between them.
+const float kNoise = 0.19, kQuickNoise = 0.25;
 const float kProbe = 0.02, kBeyond = 0.05; // weight of a corner's two lesser neighbours; area that a corner stands for
 // Behind more blockers one triangle of a piece is enough for an invocation, else two: loop_limit.glsl.
 const uint kOneTriangle = 40u;
 const uint kWholePair = 0xffffffffu; // in the place of a cell's first corner
+
+// The root of the sum of squares that a plane through the seven points leaves.
+float restOfPlane(vec3 far, vec3 near, float centre) {
+    const float squares = kRadonFarOut * kRadonFarOut + kRadonNearOut * kRadonNearOut; // along each corner
+    float mean = (dot(far + near, vec3(1.0)) + centre) / 7.0;
+    vec3 slope = (kRadonFarOut * far + kRadonNearOut * near) / squares;
+    slope -= dot(slope, vec3(1.0)) / 3.0;
+    far -= mean, near -= mean, centre -= mean;
+    return sqrt(max(dot(far, far) + dot(near, near) + centre * centre - squares * dot(slope, slope), 0.0));
+}
 
 // x by the rule of degree 5, y how far the farther of two rules of degree 2 is from it.
 // A quick look takes the centre and the far three alone. With `probed`, three more points near the corners, of which
@@ -89,7 +100,7 @@ vec2 overCell(vec2 a, vec2 b, vec2 c, bool quick, bool probed) {
     int points = quick ? 4 : 7, all = points + (probed ? 3 : 0), k = 0;
     views = 0u;
     lookFrom(a, b, c);
-    vec3 far = vec3(0.0);
+    vec3 far = vec3(0.0), near = vec3(0.0);
     float beyond = 0.0;
     [[dont_unroll]] do {
         uint viewsBefore = views;
@@ -102,6 +113,7 @@ vec2 overCell(vec2 a, vec2 b, vec2 c, bool quick, bool probed) {
         if (k < points) sums += k < 3 ? vec3(0.0, f, 0.0) : k > 3 ? vec3(f, 0.0, 0.0) : vec3(0.0, 0.0, f);
         if (k < points) range = vec2(min(range.x, f), max(range.y, f));
         if (k < 3) far[k] = f;
+        if (k > 3 && k < points) near[k - 4] = f;
         float nearest = turn == 0 ? far.x : turn == 1 ? far.y : far.z;
         float expected = mix(sums.z, nearest, (1.0 - 3.0 * kProbe) / (1.0 - 3.0 * kRadonFar));
         if (probe && k < all) beyond += kBeyond * abs(f - max(0.0, expected));
@@ -110,13 +122,15 @@ vec2 overCell(vec2 a, vec2 b, vec2 c, bool quick, bool probed) {
     } while (subgroupAny(k < all));
     float centre = sums.z;
     float byFar = kRadonFarLow / 3.0 * sums.y + (1.0 - kRadonFarLow) * centre;
-    if (quick)
-        return vec2(byFar, max(beyond, max(kQuickError * abs(byFar - centre), kLeastError * (range.y - range.x))));
+    if (quick) {
+        float least = (crowded() ? kQuickNoise : kLeastError) * (range.y - range.x);
+        return vec2(byFar, max(beyond, max(kQuickError * abs(byFar - centre), least)));
+    }
     float value = kRadonNearWeight * sums.x + kRadonFarWeight * sums.y + kRadonCentreWeight * centre;
     float byNear = kRadonNearLow / 3.0 * sums.x + (1.0 - kRadonNearLow) * centre;
     float apart = max(abs(value - byNear), abs(value - byFar));
-    // Errors of a crowd's points are as good as independent; the rule of the near three would count them thrice.
-    if (crowded()) return vec2(value, max(abs(value - byFar), kNoise * (range.y - range.x)));
+    // Errors of a crowd's points are as good as independent.
+    if (crowded()) return vec2(value, kNoise * restOfPlane(far, near, centre));
     return vec2(value, max(beyond, pair.r.listed == 0u && params.quick != 0u ? kSmooth * apart : apart));
 }
 
@@ -236,8 +250,10 @@ void main() {
         bool there = k + 1 < outerCorners;
         bool later = pair.r.listed > kExactFew && k > (pair.r.listed > kOneTriangle ? 1 : 2);
         if (there && later) refine(outer[0], outer[k], outer[k + 1], false);
-        if (there && !later)
-            sum += integrate(outer[0], outer[k], outer[k + 1], k == 1 && first && pair.r.listed > 0u, turned);
+        if (there && !later) {
+            vec2 part = integrate(outer[0], outer[k], outer[k + 1], k == 1 && first && pair.r.listed > 0u, turned);
+            sum += vec2(part.x, crowded() ? part.y * part.y : part.y);
+        }
         if (turned) turn();
         if (turned) outerCorners = 0; // no more from here
         ++k;

@@ -60,6 +60,13 @@ TEST(ExactCrowds, light_past_hundreds_of_loose_triangles_agrees_with_the_referen
     }
 }
 
+// What cells behind crowds err by adds up as squares: claims were twice what was asked, of ten times the
+// error.
+TEST(ExactCrowds, claims_are_within_what_is_asked) {
+    const ExactFormFactors F = exactFormFactors(test::device(), crowd(160), {.maxError = 1e-3});
+    EXPECT_LT(F.factors.report.claimedRowError, 4e-4);
+}
+
 // Two unit squares a metre apart and, half-way, across x across squares.
 void addScreenedPair(std::vector<std::vector<dvec3>>& faces, double x, int across) {
     faces.push_back({{x, 0, 0}, {x + 1, 0, 0}, {x + 1, 1, 0}, {x, 1, 0}});
