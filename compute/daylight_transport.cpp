@@ -1,6 +1,7 @@
 #include "compute/daylight_transport.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -326,6 +327,11 @@ void checkMaterials(std::span<const geometry::Material> materials) {
                                            fmt::format("reflectance {} is outside [0, 1)", m.reflectance[c]));
 }
 
+// Of outer sides (OutsideCells): whether they reflect, and whether in colour.
+std::array<bool, 2> cellsOf(const geometry::Material& material) {
+    return {material.reflectance != glm::vec3(0), geometry::isGrey(material.reflectance)};
+}
+
 } // namespace
 
 DaylightTransport::DaylightTransport(gpu::Device& device, const geometry::PatchMesh& mesh,
@@ -346,8 +352,10 @@ void DaylightTransport::setMaterials(const std::vector<geometry::Material>& mate
             fmt::format("{} given, the mesh has {}", materials.size(), state_->mesh.materials.size()));
     checkMaterials(materials);
     bool glassChanged = false;
+    const bool outerSides = state_->points->outside().hasOuterSides();
     for (size_t k = 0; k < materials.size(); ++k) {
         const geometry::Material &before = state_->mesh.materials[k], &now = materials[k];
+        glassChanged |= outerSides && cellsOf(before) != cellsOf(now);
         glassChanged |= before.transmittance != now.transmittance ||
                         before.refractiveIndex != now.refractiveIndex || before.blind != now.blind;
     }

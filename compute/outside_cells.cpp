@@ -14,12 +14,6 @@ namespace heliodon::compute {
 
 using glm::dvec3;
 
-// That a region looks at.
-struct OutsideCells::Opening {
-    geometry::Bounds box;
-    double least; // length of a cell beside it
-};
-
 namespace {
 
 constexpr double kOfDistance = 0.25, kOfOpening = 0.125; // the longest cell
@@ -52,7 +46,29 @@ dvec3 longestSide(std::span<const dvec3> polygon) {
     return glm::normalize(longest);
 }
 
+// What a region's cells send light to.
+struct Target {
+    geometry::Bounds box;
+    double least; // length of a cell beside it
+};
+
+Target targetOf(const ConvexRegion& region) {
+    return {geometry::boundsOf(region.corners),
+            kOfOpening * std::sqrt(0.5 * glm::length(geometry::areaVector(region.corners)))};
+}
+
+bool hasColour(const geometry::PatchMesh& mesh, uint32_t material) {
+    return !mesh.materials[material].isOpening() && mesh.materials[material].reflectance != glm::vec3(0);
+}
+
 } // namespace
+
+struct OutsideCells::Plan {
+    uint32_t region;
+    dvec3 normal, u, v;
+    std::vector<const ConvexRegion*> linings; // of an outer side
+    std::vector<Target> targets;
+};
 
 void mergeShares(std::vector<OutsideShare>& shares) {
     std::ranges::stable_sort(shares, {}, &OutsideShare::cell);
@@ -65,18 +81,24 @@ void mergeShares(std::vector<OutsideShare>& shares) {
     shares.resize(kept);
 }
 
-OutsideCells::OutsideCells(const geometry::PatchMesh& mesh, std::vector<ConvexRegion> regions,
-                           std::span<const ConvexRegion> openings)
-    : regions_(std::move(regions)), roots_(regions_.size(), kNone) {
-    if (mesh.outside.material.empty() || openings.empty()) return;
-    std::vector<size_t> bright;
-    for (size_t r = 0; r < regions_.size(); ++r)
-        if (mesh.materials[regions_[r].group].reflectance != glm::vec3(0)) bright.push_back(r);
+OutsideCells::OutsideCells(const geometry::PatchMesh& mesh, std::span<const ConvexRegion> openings,
+                           std::span<const ConvexRegion> walls)
+    : regions_(outsideRegions(mesh, 16)), standing_(regions_.size()) {
+    std::vector<ConvexRegion> linings;
+    const double samePlane = kSamePlane * geometry::boundsOf(mesh.vertices).diagonal();
+    if (!openings.empty() && (standing_ > 0 || anyWallBefore(openings, walls, samePlane))) {
+        OuterSides sides = outerSides(mesh);
+        regions_.insert(regions_.end(), sides.regions.begin(), sides.regions.end());
+        linings = std::move(sides.linings);
+    }
+    roots_.assign(regions_.size(), kNone);
+    if (openings.empty()) return;
+    const std::vector<Plan> plans = plansOf(mesh, openings, linings);
     double coarser = 1;
     do {
-        cutAll(openings, bright, coarser);
+        cutAll(plans, coarser);
         coarser *= kCoarser;
-    } while (cells_.size() > std::max(kMostCells, bright.size()));
+    } while (cells_.size() > std::max(kMostCells, plans.size()));
 }
 
 void OutsideCells::blacken() {
@@ -85,43 +107,84 @@ void OutsideCells::blacken() {
     tooMany_ = true;
 }
 
-void OutsideCells::cutAll(std::span<const ConvexRegion> openings, std::span<const size_t> bright,
-                          double coarser) {
-    nodes_.clear(), cells_.clear();
-    std::vector<Opening> ahead;
-    for (const size_t r : bright) {
-        const ConvexRegion& region = regions_[r];
-        const dvec3 normal = normalOf(region);
+// Those that look at an opening first, then those that light what reflects on to one.
+std::vector<OutsideCells::Plan> OutsideCells::plansOf(const geometry::PatchMesh& mesh,
+                                                      std::span<const ConvexRegion> openings,
+                                                      std::span<const ConvexRegion> linings) const {
+    const double samePlane = kSamePlane * geometry::boundsOf(mesh.vertices).diagonal();
+    std::vector<Plan> plans;
+    const auto add = [&](size_t r) -> Plan& {
+        const dvec3 normal = normalOf(regions_[r]), u = longestSide(regions_[r].corners);
+        return plans.emplace_back(static_cast<uint32_t>(r), normal, u, glm::cross(normal, u));
+    };
+    const auto aimAtOpenings = [&](Plan& plan) {
         const auto isAhead = [&](const ConvexRegion& opening) {
-            return std::ranges::any_of(
-                opening.corners, [&](const dvec3& p) { return glm::dot(p - region.corners[0], normal) > 0; });
+            return std::ranges::any_of(opening.corners, [&](const dvec3& p) {
+                return glm::dot(p - regions_[plan.region].corners[0], plan.normal) > 0;
+            });
         };
         const bool looksAtNone = std::ranges::none_of(openings, isAhead); // it lights others
-        ahead.clear();
         for (const ConvexRegion& opening : openings)
-            if (looksAtNone || isAhead(opening))
-                ahead.push_back(
-                    {geometry::boundsOf(opening.corners),
-                     kOfOpening * std::sqrt(0.5 * glm::length(geometry::areaVector(opening.corners)))});
-        roots_[r] = cut(region.corners, static_cast<uint32_t>(r), ahead, coarser);
-        if (cells_.size() > std::max(kMostCells, bright.size())) return;
+            if (looksAtNone || isAhead(opening)) plan.targets.push_back(targetOf(opening));
+    };
+    if (!mesh.outside.material.empty())
+        for (size_t r = 0; r < standing_; ++r)
+            if (hasColour(mesh, regions_[r].group)) aimAtOpenings(add(r));
+    const auto facing = [&](size_t side, std::span<const ConvexRegion> others) {
+        return std::ranges::any_of(others, [&](const ConvexRegion& other) {
+            return lookAtOneAnother(regions_[side], other, samePlane);
+        });
+    };
+    std::vector<ConvexRegion> glass{openings.begin(), openings.end()}, lit; // as seen from outside
+    for (ConvexRegion& opening : glass) std::ranges::reverse(opening.corners);
+    std::vector<size_t> others;
+    const auto addSide = [&](size_t r) -> Plan* {
+        std::vector<const ConvexRegion*> its;
+        for (const ConvexRegion& lining : linings)
+            if (inPlaneOf(regions_[r], lining, samePlane)) its.push_back(&lining);
+        if (std::ranges::none_of(its, [&](const ConvexRegion* lining) {
+                return hasColour(mesh, lining->group) && isOutdoors(*lining, regions_, standing_, samePlane);
+            }))
+            return nullptr;
+        Plan& plan = add(r);
+        plan.linings = std::move(its);
+        return &plan;
+    };
+    for (size_t r = standing_; r < regions_.size(); ++r)
+        if (!facing(r, glass))
+            others.push_back(r);
+        else if (Plan* plan = addSide(r))
+            aimAtOpenings(*plan);
+    for (const Plan& plan : plans) lit.push_back(regions_[plan.region]);
+    for (const size_t r : others) {
+        if (!facing(r, lit)) continue;
+        Plan* plan = addSide(r);
+        if (!plan) continue;
+        for (const ConvexRegion& other : lit)
+            if (lookAtOneAnother(regions_[r], other, samePlane)) plan->targets.push_back(targetOf(other));
+    }
+    return plans;
+}
+
+void OutsideCells::cutAll(std::span<const Plan> plans, double coarser) {
+    nodes_.clear(), cells_.clear();
+    for (const Plan& plan : plans) {
+        roots_[plan.region] = cut(regions_[plan.region].corners, plan, coarser);
+        if (cells_.size() > std::max(kMostCells, plans.size())) return;
     }
 }
 
-uint32_t OutsideCells::cut(std::vector<dvec3> polygon, uint32_t region, std::span<const Opening> openings,
-                           double coarser) {
-    const dvec3 normal = normalOf(regions_[region]), u = longestSide(regions_[region].corners),
-                v = glm::cross(normal, u);
-    const Extent alongU = extentAlong(polygon, u), alongV = extentAlong(polygon, v);
+uint32_t OutsideCells::cut(std::vector<dvec3> polygon, const Plan& plan, double coarser) {
+    const Extent alongU = extentAlong(polygon, plan.u), alongV = extentAlong(polygon, plan.v);
     const bool isWide = alongU.length() >= alongV.length();
     const Extent& extent = isWide ? alongU : alongV;
     const geometry::Bounds box = geometry::boundsOf(polygon);
     double longest = 1e300;
-    for (const Opening& opening : openings)
-        longest = std::min(longest, std::max(opening.least, kOfDistance * gap(box, opening.box)));
+    for (const Target& target : plan.targets)
+        longest = std::min(longest, std::max(target.least, kOfDistance * gap(box, target.box)));
     const auto own = static_cast<uint32_t>(nodes_.size());
     Node& node = nodes_.emplace_back();
-    node.normal = isWide ? u : v, node.offset = 0.5 * (extent.low + extent.high);
+    node.normal = isWide ? plan.u : plan.v, node.offset = 0.5 * (extent.low + extent.high);
     std::array<std::vector<dvec3>, 2> halves;
     for (const size_t beyond : {0u, 1u})
         geometry::clip<dvec3>(
@@ -133,12 +196,14 @@ uint32_t OutsideCells::cut(std::vector<dvec3> polygon, uint32_t region, std::spa
     if (extent.length() <= coarser * longest || halves[0].empty() || halves[1].empty() ||
         cells_.size() > kMostCells) {
         node.cell = static_cast<uint32_t>(cells_.size());
-        const dvec3 centre = viewCell(polygon, normal).centre;
-        cells_.push_back({std::move(polygon), centre, normal, region, regions_[region].group});
+        const dvec3 centre = viewCell(polygon, plan.normal).centre;
+        std::vector<MaterialShare> materials{{regions_[plan.region].group, 1}};
+        if (isOfRooms(plan.region)) materials = materialsOn(polygon, plan.linings);
+        cells_.push_back({std::move(polygon), centre, plan.normal, plan.region, std::move(materials)});
         return own;
     }
     for (const size_t beyond : {0u, 1u}) { // which moves the nodes
-        const uint32_t child = cut(std::move(halves[beyond]), region, openings, coarser);
+        const uint32_t child = cut(std::move(halves[beyond]), plan, coarser);
         nodes_[own].child[beyond] = child;
     }
     return own;

@@ -1,5 +1,5 @@
-// What stands outside of a building and reflects light into its windows, cut into cells that are each taken
-// to be lit evenly.
+// What reflects light into a building's windows from outside, what stands there and the outer sides of its
+// own rooms, cut into cells that are each taken to be lit evenly.
 #pragma once
 
 #include <array>
@@ -10,6 +10,7 @@
 #include <glm/vec3.hpp>
 
 #include "compute/convex_regions.h"
+#include "compute/outer_sides.h"
 #include "geometry/patch_mesh.h"
 
 namespace heliodon::compute {
@@ -17,7 +18,8 @@ namespace heliodon::compute {
 struct OutsideCell {
     std::vector<glm::dvec3> corners; // convex, world, counter-clockwise seen from the air
     glm::dvec3 centre, normal;
-    uint32_t region, material;
+    uint32_t region;
+    std::vector<MaterialShare> materials; // what is missing to one, as glass, is black
 };
 
 // What a point gets of a cell: its form factor times the transmittance of panes before it.
@@ -33,12 +35,15 @@ public:
     static constexpr size_t kMostCells = 2048;
 
     OutsideCells() = default;
-    // `regions` of outsideRegions, which stay as they are; those of black materials get no cells. A cell is
-    // halved until it is no longer than a quarter of its distance from the nearest opening, of those that its
-    // front looks at if any, or than an eighth of that opening's root of the area; where there would be more
-    // than kMostCells, than some times as much.
-    OutsideCells(const geometry::PatchMesh& mesh, std::vector<ConvexRegion> regions,
-                 std::span<const ConvexRegion> openings);
+    // Regions are those that stand outside and, after them, the outer sides of rooms, if any of these lies
+    // before an opening or anything stands outside. Those of black materials get no cells, nor do outer sides
+    // that look neither at an opening nor at what reflects on to one. A cell is halved until it is no longer
+    // than a quarter of its distance from the nearest opening, of those that its front looks at, or than an
+    // eighth of that opening's root of the area; where it looks at none, what it lights stands for openings
+    // if it is an outer side, else all openings; where there would be more than kMostCells, than some times
+    // as much. `walls`: of all rooms, facing inwards.
+    OutsideCells(const geometry::PatchMesh& mesh, std::span<const ConvexRegion> openings,
+                 std::span<const ConvexRegion> walls);
 
     std::span<const ConvexRegion> regions() const { return regions_; }
     std::span<const OutsideCell> cells() const { return cells_; }
@@ -46,6 +51,8 @@ public:
     void blacken();
     bool tooMany() const { return tooMany_; }
     bool reflects(size_t region) const { return roots_[region] != kNone; }
+    bool isOfRooms(size_t region) const { return region >= standing_; }
+    bool hasOuterSides() const { return regions_.size() > standing_; }
     // Of a region that reflects, the cell that a point of it lies in.
     uint32_t cellAt(size_t region, glm::dvec3 point) const;
 
@@ -57,13 +64,15 @@ private:
         std::array<uint32_t, 2> child{}; // before the cut, and beyond it
         uint32_t cell = kNone;           // of a leaf
     };
-    bool tooMany_ = false;
-    struct Opening;
-    void cutAll(std::span<const ConvexRegion> openings, std::span<const size_t> bright, double coarser);
-    uint32_t cut(std::vector<glm::dvec3> polygon, uint32_t region, std::span<const Opening> openings,
-                 double coarser);
+    struct Plan; // of a region's cells
+    std::vector<Plan> plansOf(const geometry::PatchMesh& mesh, std::span<const ConvexRegion> openings,
+                              std::span<const ConvexRegion> linings) const;
+    void cutAll(std::span<const Plan> plans, double coarser);
+    uint32_t cut(std::vector<glm::dvec3> polygon, const Plan& plan, double coarser);
 
     std::vector<ConvexRegion> regions_;
+    size_t standing_ = 0; // the first of the regions
+    bool tooMany_ = false;
     std::vector<uint32_t> roots_; // of regions, in nodes_; kNone of black ones
     std::vector<Node> nodes_;
     std::vector<OutsideCell> cells_;

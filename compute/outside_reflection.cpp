@@ -48,38 +48,24 @@ struct Surroundings {
         PointView::Polygon part;
     };
     std::vector<Other> others;              // that reflect
-    std::vector<PointView::Polygon> hiding; // all of these, those that are black, and the building
+    std::vector<PointView::Polygon> hiding; // all of these, and those that are black
 };
 
-Surroundings surroundings(const OutsideCells& outside, size_t at, std::span<const ConvexRegion> building,
-                          double tolerance) {
+Surroundings surroundings(const OutsideCells& outside, size_t at, double tolerance) {
     const ConvexRegion& own = outside.regions()[at];
     const dvec3 normal = normalOf(own);
     Surroundings result;
-    const auto before = [&](const ConvexRegion& region) {
+    for (const ConvexRegion* other : seenFrom(own, outside.regions(), tolerance)) {
         PointView::Polygon part;
         geometry::clip<dvec3>(
-            region.corners, [&](const dvec3& p) { return glm::dot(p - own.corners[0], normal) - tolerance; },
+            other->corners, [&](const dvec3& p) { return glm::dot(p - own.corners[0], normal) - tolerance; },
             part);
-        return part;
-    };
-    for (const ConvexRegion* other : seenFrom(own, outside.regions(), tolerance)) {
-        auto part = before(*other);
         if (part.empty()) continue;
         result.hiding.push_back(part);
         const auto region = static_cast<size_t>(other - outside.regions().data());
         if (outside.reflects(region)) result.others.push_back({region, std::move(part)});
     }
-    for (const ConvexRegion* wall : seenFrom(own, building, tolerance))
-        if (auto part = before(*wall); !part.empty()) result.hiding.push_back(std::move(part));
     return result;
-}
-
-// All surfaces of rooms as they are seen from outside of them.
-std::vector<ConvexRegion> turnedOut(const geometry::PatchMesh& mesh) {
-    std::vector<ConvexRegion> all = mergedRegions(mesh, std::vector<uint32_t>(mesh.patchCount(), 0), 16);
-    for (ConvexRegion& region : all) std::ranges::reverse(region.corners);
-    return all;
 }
 
 // What the centre of a cell sees.
@@ -142,11 +128,10 @@ private:
 OutsideReflection::OutsideReflection(const PointScene& scene, const daylight::SkyPatches& sky)
     : mesh_(&scene.mesh()), cells_(&scene.outside()) {
     if (isEmpty()) return;
-    const std::vector<ConvexRegion> building = turnedOut(*mesh_);
     const double tolerance = kSamePlane * geometry::boundsOf(mesh_->vertices).diagonal();
     std::vector<Surroundings> around(cells_->regions().size());
     inParallel(around.size(), [&](size_t r) {
-        if (cells_->reflects(r)) around[r] = surroundings(*cells_, r, building, tolerance);
+        if (cells_->reflects(r)) around[r] = surroundings(*cells_, r, tolerance);
     });
     elements_ = sky.elementCount();
     bySky_.assign(cells().size() * elements_, 0);
@@ -163,13 +148,23 @@ OutsideReflection::OutsideReflection(const PointScene& scene, const daylight::Sk
     }
 }
 
-glm::vec3 OutsideReflection::reflectance(size_t cell) const {
-    return mesh_->materials[cells()[cell].material].reflectance;
+std::vector<glm::vec3> OutsideReflection::reflectances() const {
+    std::vector<glm::vec3> all;
+    for (const OutsideCell& cell : cells()) {
+        dvec3 mean(0);
+        for (const auto& [material, share] : cell.materials)
+            if (const geometry::Material& m = mesh_->materials[material]; !m.isOpening())
+                mean += share * dvec3(m.reflectance);
+        all.emplace_back(mean);
+    }
+    return all;
 }
 
 bool OutsideReflection::isGrey() const {
-    return std::ranges::all_of(cells(), [&](const OutsideCell& c) {
-        return geometry::isGrey(mesh_->materials[c.material].reflectance);
+    return std::ranges::all_of(cells(), [&](const OutsideCell& cell) {
+        return std::ranges::all_of(cell.materials, [&](const MaterialShare& m) {
+            return geometry::isGrey(mesh_->materials[m.material].reflectance);
+        });
     });
 }
 
@@ -199,14 +194,15 @@ std::vector<glm::vec3> OutsideReflection::sunlight(const SunPatches& sun) const 
 
 std::vector<glm::vec3> OutsideReflection::exitance(std::span<const glm::vec3> straight) const {
     const size_t n = straight.size();
+    const std::vector<glm::vec3> rho = reflectances();
     std::vector<glm::vec3> sent(n), next(n);
-    for (size_t c = 0; c < n; ++c) sent[c] = reflectance(c) * straight[c];
+    for (size_t c = 0; c < n; ++c) sent[c] = rho[c] * straight[c];
     for (int round = 0; round < kMostRounds && !shares_.empty(); ++round) {
         float change = 0, most = 0;
         for (size_t c = 0; c < n; ++c) {
             glm::vec3 lux = straight[c];
             for (const Share& share : seenFrom(c)) lux += share.factor * sent[share.cell];
-            next[c] = reflectance(c) * lux;
+            next[c] = rho[c] * lux;
             const glm::vec3 step = glm::abs(next[c] - sent[c]);
             change = std::max({change, step.x, step.y, step.z});
             most = std::max({most, next[c].x, next[c].y, next[c].z});
@@ -220,12 +216,13 @@ std::vector<glm::vec3> OutsideReflection::exitance(std::span<const glm::vec3> st
 void OutsideReflection::answer(uint32_t channel, std::span<float> answers) const {
     const size_t n = answers.size();
     const auto axis = static_cast<int>(channel);
+    const std::vector<glm::vec3> rho = reflectances();
     const std::vector<float> straight(answers.begin(), answers.end());
     std::vector<float> next(n);
     for (int round = 0; round < kMostRounds && !shares_.empty(); ++round) {
         next = straight;
         for (size_t c = 0; c < n; ++c) {
-            const float sent = reflectance(c)[axis] * answers[c];
+            const float sent = rho[c][axis] * answers[c];
             for (const Share& share : seenFrom(c)) next[share.cell] += share.factor * sent;
         }
         float change = 0, most = 0;
@@ -236,7 +233,7 @@ void OutsideReflection::answer(uint32_t channel, std::span<float> answers) const
         }
         if (change <= kSettled * most) break;
     }
-    for (size_t c = 0; c < n; ++c) answers[c] *= reflectance(c)[axis];
+    for (size_t c = 0; c < n; ++c) answers[c] *= rho[c][axis];
 }
 
 } // namespace heliodon::compute

@@ -55,7 +55,7 @@ private:
     std::span<const Share> seenFrom(size_t cell) const {
         return {shares_.data() + first_[cell], first_[cell + 1] - first_[cell]};
     }
-    glm::vec3 reflectance(size_t cell) const;
+    std::vector<glm::vec3> reflectances() const; // of cells, glass black
 
     const geometry::PatchMesh* mesh_;
     const OutsideCells* cells_;

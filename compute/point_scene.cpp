@@ -148,8 +148,9 @@ PointScene::PointScene(const geometry::PatchMesh& mesh) : mesh_(&mesh), blockers
         panes_.push_back({std::move(region), &windows_[material], normal, room});
     }
     std::vector<ConvexRegion> openings = mergedRegions(mesh, opening, 16);
-    outside_ = OutsideCells(mesh, outsideRegions(mesh, 16), openings);
-    findOpenings(std::move(openings), mergedRegions(mesh, wall, 16));
+    const std::vector<ConvexRegion> walls = mergedRegions(mesh, wall, 16);
+    outside_ = OutsideCells(mesh, openings, walls);
+    findOpenings(std::move(openings), walls);
 }
 
 void PointScene::findOpenings(std::vector<ConvexRegion> openings, const std::vector<ConvexRegion>& walls) {
@@ -166,14 +167,18 @@ void PointScene::findOpenings(std::vector<ConvexRegion> openings, const std::vec
     for (Opening& from : openings_) {
         for (const ConvexRegion& wall : walls)
             if (auto part = outsideOf(from, wall.corners); !part.empty()) from.hiddenBy.push_back(part);
-        const std::vector<const ConvexRegion*> seen = seenFrom(from.region, outside_.regions(), samePlane);
+        std::vector<const ConvexRegion*> seen = seenFrom(from.region, outside_.regions(), samePlane);
+        const auto regionOf = [&](const ConvexRegion* wall) {
+            return static_cast<size_t>(wall - outside_.regions().data());
+        };
         for (const ConvexRegion* wall : seen) {
             auto part = outsideOf(from, wall->corners);
             if (part.empty()) continue;
-            from.hiddenBy.push_back(part);
-            const auto region = static_cast<size_t>(wall - outside_.regions().data());
+            const size_t region = regionOf(wall);
+            if (!outside_.isOfRooms(region)) from.hiddenBy.push_back(part); // the others hide as walls
             if (outside_.reflects(region)) from.walls.push_back({region, std::move(part)});
         }
+        std::erase_if(seen, [&](const ConvexRegion* wall) { return outside_.isOfRooms(regionOf(wall)); });
         for (uint32_t k = 0; k < openings_.size(); ++k) {
             const Opening& to = openings_[k];
             auto part = &to == &from ? PointView::Polygon{} : outsideOf(from, to.region.corners);

@@ -271,7 +271,9 @@ void PointView::hideBeyond(std::span<const Polygon* const> polygons, std::vector
 }
 
 void PointView::hideBehind(std::span<const Polygon* const> polygons, std::vector<Polygon>& parts) const {
-    keepLit(conesOf(polygons), parts);
+    std::vector<Cone> cones = conesOf(polygons);
+    for (Cone& cone : cones) cone.beyond = cone.distance + kSameOverLeast * least_; // walls have two sides
+    keepLit(cones, parts);
 }
 
 // Nothing where the cone's planes only touch the part.

@@ -163,6 +163,7 @@ TEST(Blinds, what_a_wing_hides_of_the_sky_is_not_scattered) {
     constexpr int kAcross = 60, kPoints = 3;
     test::BoxRoom wing;
     wing.low = {-4, 0, -10}, wing.high = {2, 6, -4};
+    wing.wall.reflectance = glm::vec3(0);
     for (const Blind& blind : {kFabric, kSlats}) {
         geometry::PatchMesh mesh = windowRoom(blind);
         const size_t n = mesh.patchCount();

@@ -1,5 +1,6 @@
 // Illuminance at points of a small room by paths of rays, which shares nothing with what it checks but the
-// formulas of sky and glass: rays meet every patch, openings let them out, walls stop them from either side.
+// formulas of sky and glass: rays meet every patch, openings let them out, walls of rooms reflect on either
+// side.
 #pragma once
 
 #include <array>
@@ -141,7 +142,10 @@ private:
             }
             const double rho = mesh_.materials[mesh_.material[hit.patch]].reflectance.y;
             n = geometry::patchNormal(mesh_, hit.patch);
-            if (glm::dot(n, hit.direction) > 0) return lux; // a wall from behind
+            if (glm::dot(n, hit.direction) > 0) { // from outside, or a solid from within
+                if (mesh_.room[hit.patch] == geometry::kNoRoom) return lux;
+                n = -n;
+            }
             weight *= rho * hit.through;
             p = hit.point;
             lux += weight * bySun(p, n);
