@@ -1,7 +1,7 @@
 // What the building itself hides of the sky and the ground before its windows with blinds, as wings round a
 // court do. GlowingBlinds takes windows for open to half of everything; here is what is to be taken off
 // again: the hidden share of each sky element before each patch, by the same exact clipping as the sun's
-// (SunPatches::onOutside) towards the element's middle. Walls are black from outside; light that comes
+// (SunPatches::onOutside) towards the element's middle. What walls reflect counts elsewhere; light that comes
 // through the building's other windows is dimmed by their glass.
 #pragma once
 

@@ -16,7 +16,7 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 constexpr double kRibbonError = 0.003; // of what a ribbon at the horizon gives straight
-// Of what is reflected from outside: what cells and the building's own black walls leave
+// Of what is reflected from outside: what cells and black glass leave
 // (docs/accuracy.md).
 constexpr float kReflectedError = 0.04F;
 
@@ -72,14 +72,15 @@ Moment LightFromOutside::light(const daylight::Sky& sky, const SensorGather& sen
     moment.report.combineSeconds = combining.seconds();
 
     const Stopwatch sunning;
+    const std::optional<SunPatches> sun = sunOf(sky);
     if (!sky.hasSun() && !skipNothing_)
         skipped.emplace_back("sun: below the horizon or behind cloud");
     else if (!hasOpenings_ && !skipNothing_)
         skipped.emplace_back("sun: no opening leads outside");
     else
-        sunOn(moment, sky.sun, sensors);
+        sunOn(moment, sky.sun, sensors, *sun);
     moment.report.sunSeconds = sunning.seconds();
-    reflect(moment, sky, sensors);
+    reflect(moment, sky, sensors, sun ? &*sun : nullptr);
 
     std::vector<glm::vec3> byLobes(n, glm::vec3(0));
     slats_.light(moment.lobes, byLobes);
@@ -90,12 +91,13 @@ Moment LightFromOutside::light(const daylight::Sky& sky, const SensorGather& sen
 void LightFromOutside::lightSensors(Moment& moment, const daylight::Sky& sky,
                                     const SensorGather& sensors) const {
     if (isLitBySky(sky)) skyAtSensors(moment, daylight::withoutRibbon(sky), ribbonOf(sky), sensors);
-    if (!reflection_.isEmpty()) reflectAtSensors(moment, outsideExitance(sky), sensors);
+    const std::optional<SunPatches> sun = sunOf(sky);
+    if (!reflection_.isEmpty())
+        reflectAtSensors(moment, outsideExitance(sky, sun ? &*sun : nullptr), sensors);
     if (glm::length(moment.lighting.sunDirection) == 0) return;
-    const SunPatches sun(sunScene_, sky.sun.direction, skipNothing_);
     std::vector<SunlitParts> partly;
-    (void)sun.onPatches(&partly);
-    sunAtSensors(moment, sun, partly, sensors);
+    (void)sun->onPatches(&partly);
+    sunAtSensors(moment, *sun, partly, sensors);
 }
 
 std::vector<glm::vec3> LightFromOutside::firstBounce(const Moment& moment) const {
@@ -104,6 +106,13 @@ std::vector<glm::vec3> LightFromOutside::firstBounce(const Moment& moment) const
         exitance.push_back(mesh_.materials[mesh_.material[i]].reflectance * moment.patches[i].sun +
                            moment.sunSent[i]);
     return exitance;
+}
+
+// Of a sky with a sun, projected for all that it may light.
+std::optional<SunPatches> LightFromOutside::sunOf(const daylight::Sky& sky) const {
+    if (!skipNothing_ && (!sky.hasSun() || !hasOpenings_)) return std::nullopt;
+    return std::optional<SunPatches>(std::in_place, sunScene_, sky.sun.direction,
+                                     skipNothing_ || !reflection_.isEmpty());
 }
 
 // Of skies that are too bright at the horizon for samples and elements of sky.
@@ -212,20 +221,21 @@ void LightFromOutside::hideSky(Moment& moment, std::span<const double> luminance
 }
 
 // Of the cells of what stands outside.
-std::vector<glm::vec3> LightFromOutside::outsideExitance(const daylight::Sky& sky) const {
+std::vector<glm::vec3> LightFromOutside::outsideExitance(const daylight::Sky& sky,
+                                                         const SunPatches* sun) const {
     std::vector<glm::vec3> straight(reflection_.cells().size(), glm::vec3(0));
     const std::vector<float> bySky = reflection_.skyLight(sky_.luminances(sky));
     for (size_t c = 0; c < straight.size(); ++c) straight[c] = glm::vec3(bySky[c]);
     if (sky.hasSun()) {
-        const std::vector<glm::vec3> sun =
-            reflection_.sunlight(SunPatches(sunScene_, sky.sun.direction, true));
+        const std::vector<glm::vec3> bySun = reflection_.sunlight(*sun);
         for (size_t c = 0; c < straight.size(); ++c)
-            straight[c] += static_cast<float>(sky.sun.normalIlluminance) * sun[c];
+            straight[c] += static_cast<float>(sky.sun.normalIlluminance) * bySun[c];
     }
     return reflection_.exitance(straight);
 }
 
-void LightFromOutside::reflect(Moment& moment, const daylight::Sky& sky, const SensorGather& sensors) const {
+void LightFromOutside::reflect(Moment& moment, const daylight::Sky& sky, const SensorGather& sensors,
+                               const SunPatches* sun) const {
     if (reflection_.isEmpty()) {
         if (hasOpenings_) moment.report.skipped.push_back(reflection_.inWords());
         return;
@@ -235,7 +245,7 @@ void LightFromOutside::reflect(Moment& moment, const daylight::Sky& sky, const S
         return;
     }
     moment.report.modelled.push_back(reflection_.inWords());
-    const std::vector<glm::vec3> exitance = outsideExitance(sky);
+    const std::vector<glm::vec3> exitance = outsideExitance(sky, sun);
     for (size_t i = 0; i < patchSky_.walls.size(); ++i) {
         const glm::vec3 lux = received(patchSky_.walls[i], exitance);
         const float unsure = kReflectedError * static_cast<float>(photometric(lux));
@@ -265,10 +275,9 @@ void LightFromOutside::reflectAtSensors(Moment& moment, std::span<const glm::vec
     }
 }
 
-void LightFromOutside::sunOn(Moment& moment, const daylight::SunDisc& disc,
-                             const SensorGather& sensors) const {
+void LightFromOutside::sunOn(Moment& moment, const daylight::SunDisc& disc, const SensorGather& sensors,
+                             const SunPatches& sun) const {
     const size_t n = mesh_.patchCount();
-    const SunPatches sun(sunScene_, disc.direction, skipNothing_);
     if (!sun.canEnter() && !skipNothing_) {
         moment.report.skipped.emplace_back("sun: shines on no opening from outside");
         return;

@@ -74,11 +74,15 @@ private:
     void addRibbon(Moment& moment, const RibbonLight& ribbon) const;
     template<class Light> void glow(Moment& moment, const Light& light) const;
     void hideSky(Moment& moment, std::span<const double> luminances) const;
-    std::vector<glm::vec3> outsideExitance(const daylight::Sky& sky) const;
-    void reflect(Moment& moment, const daylight::Sky& sky, const SensorGather& sensors) const;
+    std::optional<SunPatches> sunOf(const daylight::Sky& sky) const;
+    // `sun` of this sky, null where it has none.
+    std::vector<glm::vec3> outsideExitance(const daylight::Sky& sky, const SunPatches* sun) const;
+    void reflect(Moment& moment, const daylight::Sky& sky, const SensorGather& sensors,
+                 const SunPatches* sun) const;
     static void reflectAtSensors(Moment& moment, std::span<const glm::vec3> exitance,
                                  const SensorGather& sensors);
-    void sunOn(Moment& moment, const daylight::SunDisc& disc, const SensorGather& sensors) const;
+    void sunOn(Moment& moment, const daylight::SunDisc& disc, const SensorGather& sensors,
+               const SunPatches& sun) const;
     void sunAtSensors(Moment& moment, const SunPatches& sun, std::span<const SunlitParts> partly,
                       const SensorGather& sensors) const;
 

@@ -1,17 +1,12 @@
 #include "compute/outer_sides.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <limits>
-#include <numbers>
-#include <utility>
 
 #include <glm/geometric.hpp>
 
 #include "geometry/bounds.h"
 #include "geometry/clip_polygon.h"
-#include "geometry/perpendicular.h"
 
 namespace heliodon::compute {
 
@@ -49,31 +44,27 @@ bool isPartBefore(std::span<const dvec3> corners, dvec3 at, dvec3 normal, double
     return std::ranges::any_of(corners, [&](const dvec3& p) { return glm::dot(p - at, normal) > tolerance; });
 }
 
-constexpr double kNever = std::numeric_limits<double>::infinity();
-
-// How far a ray gets to a region, kNever past it.
-double reach(const ConvexRegion& region, dvec3 normal, dvec3 from, dvec3 towards, double tolerance) {
-    const double t = glm::dot(region.corners[0] - from, normal) / glm::dot(towards, normal);
-    if (!(t > tolerance) || std::isinf(t)) return kNever;
-    const dvec3 p = from + t * towards;
+// Whether the line from `a` to `b` crosses the region between them.
+bool isCrossed(const ConvexRegion& region, dvec3 normal, dvec3 a, dvec3 b, double tolerance) {
+    const double before = glm::dot(a - region.corners[0], normal),
+                 behind = glm::dot(b - region.corners[0], normal);
+    if (std::min(std::abs(before), std::abs(behind)) <= tolerance || before * behind > 0) return false;
+    const dvec3 p = a + before / (before - behind) * (b - a);
     for (size_t k = 0; k < region.corners.size(); ++k) {
-        const dvec3 a = region.corners[k], b = region.corners[(k + 1) % region.corners.size()];
-        if (glm::dot(glm::cross(b - a, p - a), normal) < 0) return kNever;
+        const dvec3 c = region.corners[k], d = region.corners[(k + 1) % region.corners.size()];
+        if (glm::dot(glm::cross(d - c, p - c), normal) < 0) return false;
     }
-    return t;
+    return true;
 }
 
-// Spread by the cosine to the normal, on a spiral.
-std::vector<dvec3> directionsAbout(dvec3 normal) {
-    constexpr int kCount = 32;
-    const dvec3 u = geometry::perpendicular(normal), v = glm::cross(normal, u);
-    std::vector<dvec3> all;
-    for (int k = 0; k < kCount; ++k) {
-        const double square = (k + 0.5) / kCount, turn = 2 * std::numbers::pi * std::numbers::phi * k;
-        all.push_back(std::sqrt(square) * (std::cos(turn) * u + std::sin(turn) * v) +
-                      std::sqrt(1 - square) * normal);
-    }
-    return all;
+// Its middle, and towards its corners from there.
+std::vector<dvec3> pointsOn(const ConvexRegion& region) {
+    constexpr double kTowards = 0.7; // that round about half of the area
+    dvec3 middle(0);
+    for (const dvec3& p : region.corners) middle += p / double(region.corners.size());
+    std::vector<dvec3> points{middle};
+    for (const dvec3& p : region.corners) points.push_back(middle + kTowards * (p - middle));
+    return points;
 }
 
 } // namespace
@@ -141,35 +132,30 @@ std::vector<MaterialShare> materialsOn(std::span<const dvec3> polygon,
     return shares;
 }
 
-bool isOutdoors(const ConvexRegion& lining, std::span<const ConvexRegion> regions, size_t standing,
-                double tolerance) {
-    const dvec3 outwards = -normalOf(lining);
-    struct Other {
-        const ConvexRegion* region;
-        dvec3 normal;
-        bool stands;
-    };
-    std::vector<Other> before;
-    for (size_t k = 0; k < regions.size(); ++k)
-        if (isPartBefore(regions[k].corners, lining.corners[0], outwards, tolerance))
-            before.push_back({&regions[k], normalOf(regions[k]), k < standing});
-    dvec3 middle(0);
-    for (const dvec3& p : lining.corners) middle += p / double(lining.corners.size());
-    std::vector<dvec3> points{middle};
-    for (const dvec3& p : lining.corners) points.push_back(middle + 0.9 * (p - middle));
-    const auto isInWall = [&](const dvec3& point) {
-        std::array<double, 2> nearest{kNever, kNever}; // front, back
-        for (const auto& [region, normal, stands] : before)
-            if (double& t = nearest[glm::dot(normal, outwards) > 0 ? 1 : 0]; stands)
-                t = std::min(t, reach(*region, normal, point, outwards, tolerance));
-        return nearest[1] + tolerance < nearest[0]; // a sheet has both
-    };
-    const std::vector<dvec3> directions = directionsAbout(outwards);
-    return std::ranges::any_of(points, [&](const dvec3& point) {
-        return !isInWall(point) && std::ranges::any_of(directions, [&](const dvec3& towards) {
-            return std::ranges::all_of(before, [&](const Other& other) {
-                return reach(*other.region, other.normal, point, towards, tolerance) == kNever;
-            });
+BackView::BackView(const ConvexRegion& lining, std::span<const ConvexRegion> regions,
+                   std::span<const dvec3> normals, double tolerance)
+    : back_(lining), regions_(regions), normals_(normals), tolerance_(tolerance) {
+    std::ranges::reverse(back_.corners);
+}
+
+bool BackView::isOpen(dvec3 a, dvec3 b) {
+    const auto crosses = [&](size_t k) { return isCrossed(regions_[k], normals_[k], a, b, tolerance_); };
+    if (last_ < regions_.size() && crosses(last_)) return false;
+    for (size_t k = 0; k < regions_.size(); ++k)
+        if (crosses(k)) {
+            last_ = k;
+            return false;
+        }
+    return true;
+}
+
+bool BackView::sees(const ConvexRegion& other) {
+    if (!lookAtOneAnother(back_, other, tolerance_)) return false;
+    const dvec3 here = normalOf(back_), there = normalOf(other);
+    const std::vector<dvec3> points = pointsOn(back_), targets = pointsOn(other);
+    return std::ranges::any_of(points, [&](const dvec3& a) {
+        return std::ranges::any_of(targets, [&](const dvec3& b) {
+            return glm::dot(b - a, here) > tolerance_ && glm::dot(a - b, there) > tolerance_ && isOpen(a, b);
         });
     });
 }

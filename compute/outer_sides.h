@@ -32,10 +32,24 @@ struct MaterialShare {
 std::vector<MaterialShare> materialsOn(std::span<const glm::dvec3> polygon,
                                        std::span<const ConvexRegion* const> linings);
 
-// Whether sky or ground are seen from the back of a lining past all regions, and no outer face of its wall
-// lies behind it: the first of the regions stand outside. By rays from a few points.
-bool isOutdoors(const ConvexRegion& lining, std::span<const ConvexRegion> regions, size_t standing,
-                double tolerance);
+// What the back of a lining sees past all regions, whose normals are given: what is in a wall sees nothing
+// outside. All outlive this.
+class BackView {
+public:
+    BackView(const ConvexRegion& lining, std::span<const ConvexRegion> regions,
+             std::span<const glm::dvec3> normals, double tolerance);
+    // Whether it sees another region's front. Told by some points of each, so a slit may be missed.
+    bool sees(const ConvexRegion& other);
+
+private:
+    bool isOpen(glm::dvec3 a, glm::dvec3 b);
+
+    ConvexRegion back_;
+    std::span<const ConvexRegion> regions_;
+    std::span<const glm::dvec3> normals_;
+    double tolerance_;
+    size_t last_ = SIZE_MAX; // that was in the way, as it often is again
+};
 
 bool inPlaneOf(const ConvexRegion& region, const ConvexRegion& other, double tolerance); // facing either way
 

@@ -130,39 +130,36 @@ std::vector<OutsideCells::Plan> OutsideCells::plansOf(const geometry::PatchMesh&
     if (!mesh.outside.material.empty())
         for (size_t r = 0; r < standing_; ++r)
             if (hasColour(mesh, regions_[r].group)) aimAtOpenings(add(r));
-    const auto facing = [&](size_t side, std::span<const ConvexRegion> others) {
-        return std::ranges::any_of(others, [&](const ConvexRegion& other) {
-            return lookAtOneAnother(regions_[side], other, samePlane);
-        });
-    };
-    std::vector<ConvexRegion> glass{openings.begin(), openings.end()}, lit; // as seen from outside
-    for (ConvexRegion& opening : glass) std::ranges::reverse(opening.corners);
-    std::vector<size_t> others;
-    const auto addSide = [&](size_t r) -> Plan* {
+    std::vector<dvec3> normals;
+    for (const ConvexRegion& region : regions_) normals.push_back(normalOf(region));
+    // An outer side that one of these and a lining that is not black see one another by.
+    const auto addSide = [&](size_t r, std::span<const ConvexRegion> targets) -> Plan* {
         std::vector<const ConvexRegion*> its;
         for (const ConvexRegion& lining : linings)
             if (inPlaneOf(regions_[r], lining, samePlane)) its.push_back(&lining);
-        if (std::ranges::none_of(its, [&](const ConvexRegion* lining) {
-                return hasColour(mesh, lining->group) && isOutdoors(*lining, regions_, standing_, samePlane);
-            }))
-            return nullptr;
+        const bool sees = std::ranges::any_of(its, [&](const ConvexRegion* lining) {
+            BackView view(*lining, regions_, normals, samePlane);
+            return hasColour(mesh, lining->group) &&
+                   std::ranges::any_of(targets, [&](const ConvexRegion& other) { return view.sees(other); });
+        });
+        if (!sees) return nullptr;
         Plan& plan = add(r);
         plan.linings = std::move(its);
         return &plan;
     };
+    std::vector<ConvexRegion> glass{openings.begin(), openings.end()}, lit; // as seen from outside
+    for (ConvexRegion& opening : glass) std::ranges::reverse(opening.corners);
+    std::vector<size_t> others;
     for (size_t r = standing_; r < regions_.size(); ++r)
-        if (!facing(r, glass))
-            others.push_back(r);
-        else if (Plan* plan = addSide(r))
+        if (Plan* plan = addSide(r, glass))
             aimAtOpenings(*plan);
+        else
+            others.push_back(r);
     for (const Plan& plan : plans) lit.push_back(regions_[plan.region]);
-    for (const size_t r : others) {
-        if (!facing(r, lit)) continue;
-        Plan* plan = addSide(r);
-        if (!plan) continue;
-        for (const ConvexRegion& other : lit)
-            if (lookAtOneAnother(regions_[r], other, samePlane)) plan->targets.push_back(targetOf(other));
-    }
+    for (const size_t r : others)
+        if (Plan* plan = addSide(r, lit))
+            for (const ConvexRegion& other : lit)
+                if (lookAtOneAnother(regions_[r], other, samePlane)) plan->targets.push_back(targetOf(other));
     return plans;
 }
 

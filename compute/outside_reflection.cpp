@@ -171,7 +171,8 @@ bool OutsideReflection::isGrey() const {
 std::string OutsideReflection::inWords() const {
     const std::string what = "what stands outside: ";
     if (!isEmpty()) return what + fmt::format("reflected light of {} cells", cells().size());
-    if (mesh_->outside.triangles.empty()) return what + "nothing";
+    if (mesh_->outside.triangles.empty() && !cells_->hasOuterSides()) return what + "nothing";
+    if (mesh_->outside.triangles.empty()) return what + "nothing that reflects";
     if (!cells_->tooMany()) return what + "black, reflects nothing";
     return what + "so many surfaces before a window that they are taken for black";
 }

@@ -67,8 +67,7 @@ public:
 
     // work(view, room) for the point's own room and for each that it sees through panes, four in a row at
     // most: clear interior windows, and windows to the outside that other windows look at; through blinds
-    // what passes them straight. The building's own walls hide what lies behind them, inside and out, and are
-    // black from outside.
+    // what passes them straight. The building's own walls hide what lies behind them, inside and out.
     using RoomWork = std::function<void(const PointView&, const RoomBeyond&)>;
     void forRoomsSeen(const PointView& view, uint32_t room, const RoomWork& work) const {
         forRoomsSeen(view, {room, {}}, work);

@@ -11,6 +11,7 @@
 #include "compute/daylight_transport.h"
 #include "compute/outside_reflection.h"
 #include "tests/compute/outside_scenes.h"
+#include "tests/compute/path_tracer.h"
 #include "tests/compute/skies.h"
 #include "tests/gpu/test_device.h"
 
@@ -158,6 +159,95 @@ TEST(OutsideReflection, crowds_before_a_window_are_black) {
         EXPECT_EQ(scene.outside().tooMany(), leaves == 200);
         EXPECT_EQ(scene.outside().cells().empty(), leaves == 200);
     }
+}
+
+// Four rooms without walls' thickness round a court of 6 x 6 m, a window of the first in one of its walls;
+// their outer sides are of the material of their insides.
+geometry::PatchMesh courtOfRooms(float reflectance, double height = 6) {
+    geometry::PatchMesh mesh;
+    const auto add = [&](glm::dvec2 low, glm::dvec2 high, uint32_t room) {
+        test::BoxRoom box{.low = {low.x, 0, low.y}, .high = {high.x, height, high.y}};
+        box.cells = {room == 0 ? 7U : 1U, room == 0 ? 3U : 1U, room == 0 ? 2U : 1U};
+        box.triangles = false, box.wall.reflectance = glm::vec3(reflectance);
+        if (room == 0)
+            box.isGlass = [height](dvec3 p) {
+                return std::abs(p.z - 4) < 1e-9 && p.x > 6 && p.x < 8 && 3 * p.y > height &&
+                       3 * p.y < 2 * height;
+            };
+        test::addBox(mesh, box, room);
+    };
+    add({0, 0}, {14, 4}, 0), add({0, 10}, {14, 14}, 1), add({0, 4}, {4, 10}, 2), add({10, 4}, {14, 10}, 3);
+    return mesh;
+}
+
+TEST(OutsideReflection, outer_sides_of_rooms_have_the_light_of_traced_paths) {
+    const geometry::PatchMesh mesh = courtOfRooms(0.7F);
+    const std::vector<Sensor> sensors{
+        {{7, 1.5, 3.5}, {0, 0, 1}}, {{7, 0.8, 2}, {0, 1, 0}}, {{5, 2.5, 1}, {0, -1, 0}}};
+    DaylightTransport transport(test::device(), mesh);
+    transport.setSensors(sensors);
+    for (const daylight::Sky& sky : {test::overcast(), test::sunny({0.3, 0.8, 0.4})}) {
+        const Moment moment = transport.light(sky);
+        EXPECT_EQ(std::ranges::count_if(moment.report.modelled,
+                                        [](const std::string& what) {
+                                            return what.starts_with("what stands outside: reflected light");
+                                        }),
+                  1);
+        test::PathTracer tracer(mesh, sky);
+        double all = 0, traced = 0;
+        for (size_t s = 0; s < sensors.size(); ++s) {
+            const auto truth = tracer.at(sensors[s], 40);
+            EXPECT_NEAR(lux(moment.sensors[s].total()), truth.lux,
+                        double{moment.sensors[s].error} + 3 * truth.standardError)
+                << s;
+            all += lux(moment.sensors[s].total()), traced += truth.lux;
+        }
+        EXPECT_NEAR(all, traced, 0.06 * traced); // mostly the noise of paths
+    }
+}
+
+TEST(OutsideReflection, a_court_of_rooms_sends_no_more_than_it_gets) {
+    const geometry::PatchMesh mesh = courtOfRooms(0.99F, 12);
+    const PointScene scene(mesh);
+    const daylight::SkyPatches sky(2);
+    const OutsideReflection reflection(scene, sky);
+    const std::vector<double> even(sky.elementCount(), 1 / kPi);
+    const std::vector<float> straight = reflection.skyLight(even);
+    std::vector<glm::vec3> lit;
+    double wall = 0, glass = 0;
+    for (size_t c = 0; c < straight.size(); ++c) {
+        const OutsideCell& cell = reflection.cells()[c];
+        const double area = 0.5 * glm::length(geometry::areaVector(cell.corners));
+        lit.emplace_back(straight[c]), wall += area;
+        for (const MaterialShare& of : cell.materials)
+            if (mesh.materials[of.material].isOpening()) glass += of.share * area;
+    }
+    EXPECT_NEAR(wall, 4 * 6 * 12, 1e-6 * wall); // nothing but the walls of the court
+    EXPECT_NEAR(glass, 2 * 4, 1e-6 * wall);
+    double mean = 0;
+    const std::vector<glm::vec3> sent = reflection.exitance(lit);
+    for (const glm::vec3& one : sent) {
+        EXPECT_LT(one.y, 1.001);
+        mean += one.y / static_cast<double>(sent.size());
+    }
+    EXPECT_GT(mean, 0.5);
+}
+
+// Black walls send nothing, and a room whose windows see no wall of another has nothing outside.
+TEST(OutsideReflection, outer_sides_count_where_windows_see_some_that_reflect) {
+    DaylightTransport transport(test::device(), courtOfRooms(0));
+    EXPECT_EQ(std::ranges::count(transport.light(test::overcast()).report.skipped,
+                                 "what stands outside: nothing that reflects"),
+              1);
+    geometry::PatchMesh white = courtOfRooms(0.5F);
+    transport.setMaterials(white.materials);
+    transport.setSensors({{{7, 1.5, 3.5}, {0, 0, 1}}});
+    DaylightTransport anew(test::device(), white);
+    anew.setSensors({{{7, 1.5, 3.5}, {0, 0, 1}}});
+    const double lit = lux(anew.light(test::overcast()).sensors[0].ground);
+    EXPECT_NEAR(lux(transport.light(test::overcast()).sensors[0].ground), lit, 1e-5 * lit);
+    const geometry::PatchMesh alone = test::roomWithWindow(1);
+    EXPECT_TRUE(PointScene(alone).outside().regions().empty());
 }
 
 TEST(OutsideReflection, what_answers_is_the_transpose_of_what_is_sent) {
