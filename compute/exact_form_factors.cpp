@@ -38,8 +38,8 @@ constexpr double kQuickFrom = 3e-5; // row error from which four points settle m
 constexpr double kLinesFrom = 3e-5; // and from which lines across far pieces cost less than exact borders
 constexpr double kCutsFrom = 1e-4;  // and down from which large patches behind crowds are cut
 constexpr uint32_t kLineLevels = 3; // halvings of a piece in exact_lines.comp
-// Over what cells behind crowds err by, each by itself, as they estimate it: of rows, and of single entries.
-constexpr double kCrowdRows = 1, kCrowdEntries = 2.6;
+// Of single entries over what cells behind crowds err by, each by itself, as they estimate it.
+constexpr double kCrowdEntries = 2.6;
 constexpr double kRowCaution = 1.3; // of single rows over their estimates, so that 99 of 100 hold (measured)
 
 class Solver {
@@ -432,11 +432,10 @@ private:
     // A patch's row is the mean of its pieces' rows by area, its error at most the root of their mean square.
     // Errors of an entry's pairs of pieces are independent: of patches cut in 25, their sum would be 25 times
     // as large.
-    void claim(uint32_t from, uint32_t to, double estimate, bool crowd) {
+    void claim(uint32_t from, uint32_t to, double error, bool crowd) {
         const uint32_t patch = scene_.pieces[from].patch;
         const float share = scene_.shareOfPatch[from];
-        const double error = crowd ? kCrowdRows * estimate : estimate,
-                     ofEntry = crowd ? kCrowdEntries * estimate : estimate;
+        const double ofEntry = crowd ? kCrowdEntries * error : error;
         rowSquares_[patch] += error * error * double{share};
         if (entrySquares_.empty()) return;
         const float most = (static_cast<float>(ofEntry) + tolerance_) * share;
