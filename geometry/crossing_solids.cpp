@@ -10,6 +10,7 @@
 
 #include "geometry/box_tree.h"
 #include "geometry/disjoint_sets.h"
+#include "geometry/face_crossing.h"
 #include "geometry/flat_faces.h"
 #include "geometry/shell_faces.h"
 #include "geometry/triangle_rays.h"
@@ -97,9 +98,9 @@ public:
         tree_.emplace(boxes_);
     }
 
-    std::optional<UnitedSolids> unite() {
+    std::optional<UnitedSolids> unite(Solids which) {
         UnitedSolids out;
-        findMeeting(out);
+        findMeeting(which, out);
         if (out.solids == 0) return std::nullopt;
         std::vector<bool> isCut(given_.size(), false);
         for (uint32_t k = 0; k < faces_.size(); ++k) {
@@ -196,10 +197,12 @@ private:
             if (const auto cavity = cavityOf.find(body); cavity != cavityOf.end()) body = cavity->second;
     }
 
-    void findMeeting(UnitedSolids& out) {
+    void findMeeting(Solids which, UnitedSolids& out) {
         for (uint32_t k = 0; k < faces_.size() && hasGlass_; ++k)
             if (solids_.contains(body_[k]) && !meets_.contains(body_[k]))
                 anyOfAnother(faces_[k], body_[k], [&](uint32_t i) {
+                    if (which == Solids::thatCross && !facesCross(faces_[k], faces_[i], tolerance_))
+                        return false;
                     if (meets_.empty()) out.surface = given_[faces_[k].surface].surface;
                     meets_.insert(body_[k]), meets_.insert(body_[i]);
                     return true;
@@ -269,8 +272,9 @@ private:
 } // namespace
 
 std::optional<UnitedSolids> uniteSolids(const std::vector<SoupFace>& faces,
-                                        const std::function<bool(uint32_t)>& isGlass, double tolerance) {
-    return SolidUniter(faces, isGlass, tolerance).unite();
+                                        const std::function<bool(uint32_t)>& isGlass, Solids which,
+                                        double tolerance) {
+    return SolidUniter(faces, isGlass, tolerance).unite(which);
 }
 
 } // namespace heliodon::geometry

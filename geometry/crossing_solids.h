@@ -10,18 +10,21 @@
 
 namespace heliodon::geometry {
 
+enum class Solids { thatCross, thatMeet }; // the latter: that cross or touch
+
 struct UnitedSolids {
     std::vector<SoupFace> faces;
     uint32_t solids = 0;  // that met others
     uint32_t surface = 0; // of a face that did
 };
 
-// Of opaque closed bodies whose faces look out of them and that touch or cross one another the surface of
+// Of opaque closed bodies whose faces look out of them and that meet one another the surface of
 // their union, all else as it is. None where no two meet, or nothing has glass (`isGlass` of a material):
 // then they may be rooms. Where bodies share edges, faces near one another in the file (SoupFace::surface)
 // are one's. Corners are one within `tolerance` (metres). Cost: n log n, and faces times those of others that
 // they meet.
 std::optional<UnitedSolids> uniteSolids(const std::vector<SoupFace>& faces,
-                                        const std::function<bool(uint32_t)>& isGlass, double tolerance);
+                                        const std::function<bool(uint32_t)>& isGlass, Solids which,
+                                        double tolerance);
 
 } // namespace heliodon::geometry

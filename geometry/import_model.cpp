@@ -50,24 +50,39 @@ public:
         faces_ = flatFaces(model_, extent_, worldPerBuilding(model_.vertices));
     }
 
+    // As drawn, but that solids which run into one another are one; where that is refused or the insides of
+    // walls come out as rooms, with those that touch as one, too.
     Building import(const std::function<void()>& beforePart) {
-        std::optional<Building> drawn;
+        const ModelFaces drawn = faces_;
+        std::optional<Building> doubtful;
         std::optional<InputError> wrong;
-        try {
-            drawn = importAsDrawnOrFitted(beforePart);
-            if (!hasInsideOfWalls(*drawn)) return std::move(*drawn);
-        } catch (const InputError& error) {
-            if (!faces_.folded.empty()) throw foldError(*faces_.folded.begin());
-            wrong = error;
+        const auto attempt = [&]() -> std::optional<Building> {
+            strays_.clear(), whyNoPane_.reset(), insideOut_ = false;
+            try {
+                Building made = importAsDrawnOrFitted(beforePart);
+                if (!hasInsideOfWalls(made)) return made;
+                if (!doubtful) doubtful = std::move(made);
+            } catch (const InputError& error) {
+                if (!wrong) wrong = error;
+            }
+            return std::nullopt;
+        };
+        const bool cross = unite(Solids::thatCross);
+        if (auto made = attempt()) return std::move(*made);
+        faces_ = drawn;
+        if (unite(Solids::thatMeet))
+            if (auto made = attempt()) return std::move(*made);
+        if (doubtful) return std::move(*doubtful);
+        faces_ = drawn;
+        if (cross) {
+            faces_.warnings.emplace_back(
+                "solids run into one another, and were not united, as no room was left: what "
+                "runs into walls is not seen in rooms");
+            if (auto made = attempt()) return std::move(*made);
+            if (doubtful) return std::move(*doubtful);
         }
-        try {
-            if (uniteSolidsThatMeet())
-                if (Building united = importAsDrawnOrFitted(beforePart); !drawn || !hasInsideOfWalls(united))
-                    return united;
-        } catch (const InputError&) { // what is wrong as it is drawn says more
-        }
-        if (wrong) throw *wrong;
-        return std::move(*drawn);
+        if (!faces_.folded.empty()) throw foldError(*faces_.folded.begin());
+        throw *wrong;
     }
 
 private:
@@ -78,16 +93,15 @@ private:
                });
     }
 
-    // For another import; false where there are none.
-    bool uniteSolidsThatMeet() {
-        const auto united = uniteSolids(faces_.soup, isGlass_, kWeldOfExtent * extent_);
+    // False where there are none.
+    bool unite(Solids which) {
+        const auto united = uniteSolids(faces_.soup, isGlass_, which, kWeldOfExtent * extent_);
         if (!united) return false;
         faces_.soup = united->faces;
         faces_.warnings.push_back(fmt::format(
-            "{} solids that touch or run into one another (one with the face at {}) were taken as "
-            "one: of what lies in others nothing is seen",
-            united->solids, model_.place(united->surface)));
-        strays_.clear(), whyNoPane_.reset(), insideOut_ = false;
+            "{} solids that {}run into one another (one with the face at {}) were taken as one: of "
+            "what lies in others nothing is seen",
+            united->solids, which == Solids::thatMeet ? "touch or " : "", model_.place(united->surface)));
         return true;
     }
 
