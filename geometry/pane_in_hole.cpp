@@ -73,10 +73,9 @@ public:
         for (const auto& loop : face.loops)
             for (const dvec3 p : loop) most = std::max(most, std::abs(plane_.height(p)));
         if (most > tolerance_) {
-            const dvec2 over = 2 * tolerance_ * wayOf(face); // faces that meet within that leave no gap
-            for (const double ofZero : {1.0, -1.0})
-                for (const auto& [a, b] : cutOf(face, ofZero))
-                    segments_.push_back({a - over, b + over, kSection});
+            const std::vector<Ends> above = cutOf(face, 1), below = cutOf(face, -1);
+            addSection(above, wayOf(face));
+            if (below != above) addSection(below, wayOf(face));
             return;
         }
         const bool over = glm::dot(areaVector(face.loops[0]), plane_.normal) < 0;
@@ -108,6 +107,16 @@ public:
     const std::vector<PlanSegment>& segments() const { return segments_; }
 
 private:
+    // Faces that meet within the tolerance leave no gap: beyond their ends, where those of others run on, and
+    // beside them, where lines that are one but for rounding pass each other by.
+    void addSection(const std::vector<Ends>& cut, dvec2 way) {
+        const dvec2 over = 2 * tolerance_ * way, aside(-over.y, over.x);
+        for (const auto& [a, b] : cut) {
+            segments_.push_back({a - over, b + over, kSection});
+            for (const dvec2 end : {a, b}) segments_.push_back({end - aside, end + aside, kSection});
+        }
+    }
+
     // Along the line in which a face crosses the plane.
     dvec2 wayOf(const SoupFace& face) const {
         const dvec3 along = glm::cross(plane_.normal, areaVector(face.loops[0]));
@@ -127,8 +136,9 @@ private:
 std::vector<dvec2> cornersOf(const std::vector<dvec2>& outline, double tolerance) {
     std::vector<dvec2> out;
     for (size_t k = 0; k < outline.size(); ++k) {
+        const bool isLast = k + 1 == outline.size() && !out.empty(); // the first may have gone for it
         const dvec2 before = out.empty() ? outline.back() : out.back(),
-                    after = outline[(k + 1) % outline.size()];
+                    after = isLast ? out[0] : outline[(k + 1) % outline.size()];
         if (distanceToSegment(outline[k], before, after) > tolerance) out.push_back(outline[k]);
     }
     return out;
