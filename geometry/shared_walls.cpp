@@ -66,7 +66,8 @@ public:
                 std::ranges::none_of(all, [&](uint32_t k) { return isGlass_(faces_[k].material); })) {
                 out.outer.insert(out.outer.end(),
                                  outside.begin() + static_cast<std::ptrdiff_t>(outsideBefore), outside.end());
-                if (space_.partAt(f, 0) == space_.partAt(f, 1))
+                const bool isWithinSolid = outside.size() == outsideBefore;
+                if (!isWithinSolid && space_.partAt(f, 0) == space_.partAt(f, 1))
                     out.sheets.push_back(outside[outsideBefore + (sheet.drawn[0].empty() ? 1 : 0)]);
             }
             shared += sides == 2;

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <fstream>
 #include <map>
+#include <tuple>
 
 #include <fmt/format.h>
 #include <glm/geometric.hpp>
@@ -419,6 +420,36 @@ TEST(SharedWalls, rugs_and_pictures_are_seen_whichever_way_they_look) {
     Model beside; // of one size: nobody can say which lies on the other
     rectangle(beside, {3, 0, 2}, {0, 0, 2}, {3, 0, 0}, "A");
     EXPECT_THROW(imported(hall({rug, beside})), InputError);
+}
+
+TEST(SharedWalls, nothing_is_seen_of_a_sheet_within_a_wall) {
+    const double t = 0.2; // of walls round the room, between one floor and one ceiling
+    const dvec3 up(0, 2.4, 0), x(3, 0, 0), y(0, 0.8, 0), z(0, 0, t);
+    Model model, inner;
+    rectangle(model, {3, 0, 5}, {t, 0, 0}, up, "B"); // across the walls' inside, where strips of floors end
+    for (const auto& [o, u, v] : {std::tuple(dvec3(0), dvec3(0, 0, 5), dvec3(3, 0, 0)),
+                                  {{-t, 0, -t}, {0, 0, 5 + 2 * t}, {t, 0, 0}},
+                                  {{3, 0, -t}, {0, 0, 5 + t}, {t, 0, 0}},
+                                  {{0, 0, 5}, {0, 0, t}, {3 + t, 0, 0}},
+                                  {{0, 0, -t}, {0, 0, t}, {3, 0, 0}}}) {
+        rectangle(model, o, u, v, "A");
+        rectangle(model, o + up, v, u, "A");
+    }
+    box(inner, {0, 0, 0}, {3, 2.4, 5}, "A", "glass");
+    model.insert(model.end(), inner.begin() + 2, inner.end());
+    rectangle(model, {-t, 0, -t}, {0, 0, 5 + 2 * t}, up, "A");
+    rectangle(model, {3 + t, 0, -t}, up, {0, 0, 5 + 2 * t}, "A");
+    rectangle(model, {-t, 0, 5 + t}, {3 + 2 * t, 0, 0}, up, "A");
+    for (const double left : {-t, 3.0}) rectangle(model, {left, 0, -t}, up, {t, 0, 0}, "A");
+    Model front;
+    rectangle(front, -z, up, x, "A", "glass");
+    std::erase_if(front, [](const Drawn& face) { return face.material == "glass"; });
+    model.insert(model.end(), front.begin(), front.end());
+    for (const double level : {0.8, 1.6}) rectangle(model, dvec3(1, level, -t), z, x / 3.0, "A");
+    for (const double left : {1.0, 2.0}) rectangle(model, dvec3(left, 0.8, -t), y, z, "A");
+    const Building building = imported(model);
+    expectVolumes(building, {36});
+    EXPECT_NEAR(areaOf(building, "B"), 0, 1e-6);
 }
 
 TEST(SharedWalls, the_outer_side_of_a_wall_is_not_seen_inside) {
