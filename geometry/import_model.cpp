@@ -12,6 +12,7 @@
 #include "geometry/bounds.h"
 #include "geometry/counted.h"
 #include "geometry/crossing_solids.h"
+#include "geometry/doubled_glass.h"
 #include "geometry/face_soup.h"
 #include "geometry/glass_panes.h"
 #include "geometry/ground_in_rooms.h"
@@ -48,6 +49,7 @@ public:
         const double glass = extentOf(isGlass_);
         extent_ = glass > 0 ? std::min(all, kMostOfGlass * glass) : all;
         faces_ = flatFaces(model_, extent_, worldPerBuilding(model_.vertices));
+        faces_.dropped += dropDoubledGlass(faces_.soup, isGlass_, kWeldOfExtent * extent_);
     }
 
     // As drawn, but that solids which run into one another are one; where that is refused or the insides of
@@ -112,7 +114,10 @@ private:
             try {
                 ModelRooms drawn = rooms({}, beforePart);
                 blocks = touchingBlocks(drawn);
-                if (!blocks) made = withGlass(std::move(drawn));
+                if (!blocks) {
+                    warnOfGlassBodies(drawn);
+                    made = withGlass(std::move(drawn));
+                }
             } catch (const InputError& error) {
                 asDrawn = error;
             }
@@ -289,12 +294,31 @@ private:
         return inwards > 0;
     }
 
+    // Per room, whether all its faces are glass.
+    std::vector<bool> areGlass(const Building& building) const {
+        std::vector<bool> are(building.roomCount, true);
+        for (const Face& face : building.faces)
+            if (!isGlass_(face.material)) are[face.room] = false;
+        return are;
+    }
+
+    void warnOfGlassBodies(ModelRooms& rooms) const {
+        const std::vector<bool> isBody = areGlass(rooms.building);
+        for (size_t f = 0; f < rooms.source.size(); ++f)
+            if (isBody[rooms.building.faces[f].room]) {
+                rooms.building.warnings.push_back(
+                    fmt::format("a body of glass ({} and others) fills no hole as a pane does and was taken "
+                                "as a space of its "
+                                "own: what passes it is dimmed by glass on either side",
+                                model_.place(rooms.source[f])));
+                return;
+            }
+    }
+
     // Bodies of glass side by side that are no panes: light would pass each twice, and from one to the next.
     std::optional<InputError> touchingBlocks(const ModelRooms& rooms) const {
         const Building& building = rooms.building;
-        std::vector<bool> isBlock(building.roomCount, true); // all its faces are glass
-        for (const Face& face : building.faces)
-            if (!isGlass_(face.material)) isBlock[face.room] = false;
+        const std::vector<bool> isBlock = areGlass(building);
         for (size_t f = 0; f < building.faces.size(); ++f) {
             const Face& face = building.faces[f];
             if (face.twin != kNoTwin && isBlock[face.room] &&

@@ -148,6 +148,22 @@ TEST(GlassPanes, slabs_in_a_hole_of_a_wall_without_thickness) {
     expectPanes(over, 1, 2.4, 30);
 }
 
+// As a program writes that exports both sides of every face; each was a room of glass.
+TEST(GlassPanes, drawn_twice_are_one) {
+    for (const bool turned : {false, true})
+        for (const bool both : {false, true}) { // walls, too
+            Drawing drawing;
+            drawRoom(drawing, 0, 3);
+            drawing.slab(hole(-0.01), hole(0.01));
+            drawing.turnEvery(turned ? 1 : 0);
+            if (both) drawRoom(drawing, 0, 3);
+            drawing.slab(hole(-0.01), hole(0.01));
+            const Building building = drawing.read();
+            EXPECT_EQ(building.roomCount, 1u);
+            EXPECT_NEAR(glassOf(building), 2.4, 1e-6);
+        }
+}
+
 namespace {
 
 void drawThickWalls(Drawing& drawing, double thick = 0.3, const char* reveal = "wall") {
@@ -752,6 +768,10 @@ TEST(GlassPanes, other_bodies_of_glass_stay_as_they_were_drawn) {
         Drawing drawing;
         drawRoom(drawing, 0, 3);
         drawing.slab(hole(0), other);
-        EXPECT_GT(glassOf(drawing.read()), 2.4 * 1.05); // with its sides
+        const Building building = drawing.read();
+        EXPECT_GT(glassOf(building), 2.4 * 1.05); // with its sides
+        EXPECT_TRUE(std::ranges::any_of(building.warnings, [](const auto& warning) {
+            return warning.find("a space of its own") != warning.npos;
+        }));
     }
 }
