@@ -227,6 +227,14 @@ std::array<float, 2> WallEvidence::endSteps(const geometry::Arc& arc) const {
     return stepsOfEnds(arc);
 }
 
+EndLook WallEvidence::lookOf(glm::dvec2 end, double height) const {
+    constexpr float kColour = 0.15f, kBare = 1.04f, kCard = 1.1f; // saturation; of white
+    const auto seen = overWhite(end, height);
+    if (!seen || vision::saturationOf(*seen) > kColour) return EndLook::other;
+    const float level = (seen->r + seen->g + seen->b) / 3;
+    return level < kBare ? EndLook::bare : level > kCard ? EndLook::card : EndLook::other;
+}
+
 double WallEvidence::paintedShareOf(const geometry::Wall& wall) const {
     constexpr double kBlur = 0.1, kStep = 0.1; // inches
     const double height = geometry::heightInches(wall.heightClass), off = 0.25 * options_.wallThickness;
@@ -295,6 +303,8 @@ template<class Shape> Relief WallEvidence::reliefOfShape(const Shape& shape) con
     const double height = geometry::heightInches(shape.heightClass);
     Relief out;
     out.ends = stepsOfEnds(shape);
+    const Line ends = endsOf(shape);
+    for (size_t k = 0; k < 2; ++k) out.looks[k] = lookOf(ends[k], height);
     std::vector<float> steps;
     for (const Stretch& stretch : stretchesOf(shape))
         if (const auto step = footStep(stretch, height)) steps.push_back(*step);
@@ -381,24 +391,28 @@ bool showRelief(const std::vector<Relief>& reliefs) {
 
 std::vector<Lies> lieFlat(const std::vector<Relief>& reliefs) {
     constexpr float kNoEnd = 0.03f, kShare = 0.3f;      // nothing; of what the ends of the others are
+    constexpr float kSureEnd = 0.2f;                    // whatever the others are
     constexpr float kVividEnd = 0.2f;                   // of the others, where ends alone tell
     constexpr float kNoFoot = 0.04f, kFaintFoot = 0.1f; // with one bright end, with none
     constexpr float kPaler = 0.75f;                     // of the saturation of the others
     constexpr double kPainted = 0.85;                   // of its top
     std::vector<Lies> out(reliefs.size(), Lies::no);
     if (!showRelief(reliefs)) return out;
-    const float typical = typicalEnd(reliefs), noEnd = std::max(kNoEnd, kShare * typical);
+    const float typical = typicalEnd(reliefs), noEnd = std::clamp(kShare * typical, kNoEnd, kSureEnd);
     std::vector<float> saturation;
     for (const Relief& r : reliefs) saturation.push_back(r.saturation);
     const float pale = kPaler * upperQuartile(std::move(saturation));
     for (size_t i = 0; i < reliefs.size(); ++i) {
         const Relief& r = reliefs[i];
-        const auto [low, high] = std::minmax(r.ends[0], r.ends[1]);
-        if (low >= noEnd) continue;
-        const bool noEnds = high < noEnd;
-        if (r.foot && *r.foot < (noEnds ? kFaintFoot : kNoFoot)) out[i] = Lies::flat;
-        if (out[i] == Lies::flat || typical < kVividEnd) continue;
-        const bool isPale = r.saturation < pale, isBare = r.painted < kPainted;
+        // White card beside a table that is as bright stands out by nothing, and is brighter than white.
+        const auto isBright = [&](size_t k) { return r.ends[k] >= noEnd || r.looks[k] == EndLook::card; };
+        if (isBright(0) && isBright(1)) continue;
+        const bool noEnds = !isBright(0) && !isBright(1), isPale = r.saturation < pale,
+                   isBare = r.painted < kPainted;
+        const bool isHidden = !noEnds && r.looks[isBright(0) ? 1 : 0] != EndLook::bare;
+        if (r.foot && *r.foot < (noEnds ? kFaintFoot : kNoFoot))
+            out[i] = isHidden && !isPale && !isBare ? Lies::unsure : Lies::flat;
+        if (out[i] != Lies::no || typical < kVividEnd) continue;
         if (noEnds) out[i] = isPale || isBare ? Lies::flat : Lies::unsure;
         if (isPale && isBare) out[i] = Lies::flat;
     }

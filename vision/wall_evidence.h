@@ -13,6 +13,10 @@ namespace heliodon::vision {
 
 constexpr double kOverEdge = 3; // inches that a wall may stick out over the table
 
+// What is seen of one end: nothing but the white of the table, what is brighter than that and as colourless, as
+// card nearer to the lamps is, or anything else, which may hide the end.
+enum class EndLook { bare, card, other };
+
 // What a wall shows of its height, as parts of the level of light there. All are near nothing where a pen,
 // tape or a cable lies flat. And its paint: what a lens or a file's compression smears beside walls is paler
 // than theirs, or interrupted.
@@ -21,11 +25,13 @@ struct Relief {
     std::optional<float> foot;   // step of light where a face meets the table; none: no face is seen
     float saturation = 1;        // WallEvidence::saturationOf
     double painted = 1;          // WallEvidence::paintedShareOf
+    std::array<EndLook, 2> looks{};
 };
 
 // Of things with the colour and the shape of walls, those that are none: where others show relief, they have
 // neither a bright end nor a foot, or lack an end and much of the paint. Unsure: ends that hardly are bright,
-// and no face would be seen either, as below the camera, or something there may be another's.
+// and no face would be seen either, as below the camera, or something there may be another's; or one bright end
+// and vivid paint as far as where the other is hidden.
 enum class Lies { no, unsure, flat };
 std::vector<Lies> lieFlat(const std::vector<Relief>& reliefs);
 
@@ -102,6 +108,7 @@ private:
     template<class Shape> std::vector<Stretch> stretchesOf(const Shape& shape) const;
     std::optional<float> footStep(const Stretch& stretch, double height) const;
     float endStep(glm::dvec2 end, glm::dvec2 outward, double height) const;
+    EndLook lookOf(glm::dvec2 end, double height) const;
     float levelAt(glm::dvec2 plan, double height) const;
     bool isBare(glm::dvec2 end, double height) const;
     bool standsOnTable(const Line& centre) const;

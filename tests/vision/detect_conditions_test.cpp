@@ -422,6 +422,29 @@ TEST(DetectConditions, pens_and_tape_lie_flat) {
     }
 }
 
+// By a step of light, its brightness or its paint: what lies behind one end is as bright, another is hidden. A
+// pen beside them has a cap that shines.
+TEST(DetectConditions, a_walls_end_that_does_not_stand_out) {
+    const geometry::Rig rig = exampleRig();
+    PaintBox paints;
+    paints.face = paints.table; // no foot is seen
+    Photograph photo = paintTable(room(), rig, paints);
+    const Color lit{1.4, 1.4, 1.4};
+    for (const geometry::Wall& w : room().walls) {
+        const glm::dvec2 along = glm::normalize(w.b - w.a), across = 0.2 * glm::dvec2(-along.y, along.x);
+        for (const auto& [tip, in] : {std::pair{w.a, 0.5 * along}, {w.b, -0.5 * along}})
+            shade(photo, rig, {tip + across, tip - across, tip + in - across, tip + in + across},
+                  geometry::heightInches(w.heightClass), lit, 0.5);
+    }
+    shade(photo, rig, {{-8.6, 3.5}, {-7.62, 3.5}, {-7.62, 5.5}, {-8.6, 5.5}}, 8, lit, 0.5);
+    shade(photo, rig, {{-7.18, 3.5}, {-6.2, 3.5}, {-6.2, 5}, {-7.18, 5}}, 8, lit, 0.5);
+    cover(photo, rig, {{6.5, 4.9}, {7.3, 4.9}, {7.3, 6.2}, {6.5, 6.2}}, 10, {0.5, 0.4, 0.3});
+    cover(photo, rig, {{-3, 8}, {3, 9}, {2.93, 9.41}, {-3.07, 8.41}}, 0, {0.06, 0.12, 0.42});
+    cover(photo, rig, {{3, 9}, {3.5, 9.08}, {3.43, 9.5}, {2.93, 9.41}}, 0, {1.2, 1.2, 1.2});
+    EXPECT_TRUE(warnsOf(detectSketch(photo, rig), "without its white ends"));
+    expectRead(room(), photo);
+}
+
 // A rim of two or three pixels, or as blurred, is nowhere as vivid as paint.
 TEST(DetectConditions, tokens_that_are_out_of_focus) {
     geometry::Sketch sketch = room();
