@@ -25,6 +25,7 @@
 #include "vision/sketch_names.h"
 #include "vision/table_edge.h"
 #include "vision/table_marks.h"
+#include "vision/vivid_part.h"
 #include "vision/wall_evidence.h"
 #include "vision/wall_fit.h"
 
@@ -60,6 +61,7 @@ public:
         }
         used_.assign(regions_.size(), false);
         findTokens();
+        partArrowsFromWalls();
         findArrow();
         findSkylights();
         findWalls();
@@ -180,6 +182,35 @@ private:
         return joined;
     }
 
+    // A red wall's top that touches the arrow in the picture, or hides a part of it, makes one region with it.
+    void partArrowsFromWalls() {
+        const int least = smallestArea(view_);
+        for (size_t i = 0; i < used_.size(); ++i) {
+            const Component whole = regions_[i];
+            if (used_[i] || whole.group != Paint::red || whole.minorityArea < least) continue;
+            std::vector<Component> red = findComponents(partOf(whole, image_, Paint::red), least),
+                                   orange = findComponents(partOf(whole, image_, Paint::orange), least);
+            std::erase_if(red, [&](const Component& part) { return isSliver(part); });
+            const auto isArrow = [&](const Component& part) {
+                return fitArrow(part, view_, options_).has_value();
+            };
+            const auto isWall = [&](const Component& part) {
+                return fitStraight({Paint::red, {&part}, {}}, view_, options_).has_value();
+            };
+            const bool hasArrow = std::any_of(orange.begin(), orange.end(), isArrow),
+                       hasWall = std::any_of(red.begin(), red.end(), isWall);
+            if (red.empty() || !(hasArrow || (hasWall && !isWall(whole)))) continue;
+            for (const Component& part : orange)
+                for (const Run& run : part.runs)
+                    for (int x = run.x0; x < run.x1; ++x) image_.set(x, run.y, Paint::none);
+            regions_[i] = std::move(red.back());
+            red.pop_back();
+            regions_.insert(regions_.end(), red.begin(), red.end());
+            regions_.insert(regions_.end(), orange.begin(), orange.end());
+        }
+        used_.resize(regions_.size(), false);
+    }
+
     // Of the regions with an arrow's shape the one that is most orange and whose sides are seen best.
     void findArrow() {
         double best = -1;
@@ -261,17 +292,17 @@ private:
         return principalAxes(planPoints(region, view_, height)).minor * std::sqrt(12.0) /
                options_.wallThickness;
     }
+    // The blurred rim of a marker can have another marker's or a wall's hue: much thinner than they.
+    bool isSliver(const Component& region) const {
+        return relativeWidth(region, isWallPaint(region.group) ? heightOf(region.group) : 8) < 0.5;
+    }
     bool isWide(const Component& region) const { return relativeWidth(region, 0) > 2; }
 
     void findWalls() {
         std::vector<const Component*> pieces, markers;
         for (size_t i = 0; i < regions_.size(); ++i) {
             if (used_[i]) continue;
-            // The blurred rim of a marker can have another marker's or a wall's hue: a sliver, much thinner
-            // than they.
-            if (relativeWidth(regions_[i], isWallPaint(regions_[i].group) ? heightOf(regions_[i].group) : 8) <
-                0.5)
-                continue;
+            if (isSliver(regions_[i])) continue;
             if (isWallPaint(regions_[i].group)) {
                 const RegionCutter::Pieces cut = cutter_.piecesOf(regions_[i]);
                 pieces.insert(pieces.end(), cut.pieces.begin(), cut.pieces.end());
@@ -346,8 +377,7 @@ private:
                 return;
             }
         noteWidth(chain);
-        for (const Component* piece : chain.pieces)
-            unread(*piece, "coloured like a wall, but not of a wall's shape; it is left out");
+        for (const Component* piece : chain.pieces) unread(*piece, whyNoWall(*piece));
         for (const Component* marker : chain.markers)
             unread(*marker, "a window marker on no wall; it is left out");
     }

@@ -16,6 +16,13 @@ bool isLightBlue(const Component& region) {
     return region.group == Paint::blue && 2 * region.minorityArea > region.area;
 }
 
+const char* whyNoWall(const Component& region) {
+    return region.group == Paint::red && 2 * region.minorityArea > region.area
+               ? "orange like the north arrow, but not of its shape: does a wall hide a part of it? It is left "
+                 "out"
+               : "coloured like a wall, but not of a wall's shape; it is left out";
+}
+
 RegionCutter::Pieces RegionCutter::piecesOf(const Component& region) {
     Pieces out;
     if (!isLightBlue(region) && isStripOrArc(region, view_, options_))
@@ -104,7 +111,7 @@ void RegionCutter::addStrips(const Component& region, Pieces& out) {
             keep(std::move(strip), out);
         }
     }
-    if (out.pieces.empty()) out.unread = "coloured like a wall, but not of a wall's shape; it is left out";
+    if (out.pieces.empty()) out.unread = whyNoWall(region);
 }
 
 void RegionCutter::keep(Component&& part, Pieces& out) {

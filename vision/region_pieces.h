@@ -15,6 +15,9 @@ namespace heliodon::vision {
 
 bool isLightBlue(const Component& region); // as skylights' card is
 
+// What to say of a region of walls' paint that is left out.
+const char* whyNoWall(const Component& region);
+
 class RegionCutter {
 public:
     // All outlive this. `radius` of the table: inches.

@@ -70,22 +70,22 @@ std::optional<ClassImage> vividPart(const Component& region, const ClassImage& i
     auto bin = bins.begin();
     for (const Run& run : region.runs)
         for (int x = run.x0; x < run.x1; ++x)
-            if (*bin++ >= *vivid)
-                out.paint[static_cast<size_t>(run.y - out.y0) * static_cast<size_t>(out.width) +
-                          static_cast<size_t>(x - out.x0)] = image.at(x, run.y);
+            if (*bin++ >= *vivid) out.set(x, run.y, image.at(x, run.y));
+    return out;
+}
+
+ClassImage partOf(const Component& region, const ClassImage& image, Paint paint) {
+    ClassImage out = emptyPart(region, image);
+    for (const Run& run : region.runs)
+        for (int x = run.x0; x < run.x1; ++x)
+            if (image.at(x, run.y) == paint) out.set(x, run.y, paint);
     return out;
 }
 
 std::optional<ClassImage> bluePart(const Component& region, const ClassImage& image) {
     const double sky = static_cast<double>(region.minorityArea) / region.area;
     if (region.group != Paint::blue || sky < kLeastShare || sky > 1 - kLeastShare) return std::nullopt;
-    ClassImage out = emptyPart(region, image);
-    for (const Run& run : region.runs)
-        for (int x = run.x0; x < run.x1; ++x)
-            if (image.at(x, run.y) == Paint::blue)
-                out.paint[static_cast<size_t>(run.y - out.y0) * static_cast<size_t>(out.width) +
-                          static_cast<size_t>(x - out.x0)] = Paint::blue;
-    return out;
+    return partOf(region, image, Paint::blue);
 }
 
 } // namespace heliodon::vision

@@ -14,6 +14,9 @@ namespace heliodon::vision {
 // kind.
 std::optional<ClassImage> vividPart(const Component& region, const ClassImage& image, const PlanView& view);
 
+// The pixels of that paint in a region of `image`.
+ClassImage partOf(const Component& region, const ClassImage& image, Paint paint);
+
 // The part with blue paint of a region of which a good part is light blue, as where a wall stands before a
 // skylight. None where either is next to nothing.
 std::optional<ClassImage> bluePart(const Component& region, const ClassImage& image);

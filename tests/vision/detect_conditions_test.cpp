@@ -780,6 +780,27 @@ TEST(DetectConditions, an_arrow_that_points_at_a_marker) {
     expectRead(sketch, paintTable(sketch, rig));
 }
 
+// Its top leans over the table: the arrow's tail is beside it in the picture, or behind it.
+TEST(DetectConditions, an_arrow_that_a_red_wall_touches) {
+    const geometry::Rig rig = exampleRig();
+    const Photograph photo = paintTable(room(), rig);
+    const PlanView view(photo, rig.camera, 2.2);
+    const auto behindTop = [&](glm::dvec2 plan) { return view.plan(view.pixel(plan, 10), 0); };
+    const glm::dvec2 beforeOne = behindTop({0.4, -5.2}), beforeOther = behindTop({3, 5.6});
+    geometry::Sketch sketch = room();
+    for (const auto& [middle, dir] : {std::pair{beforeOne - glm::dvec2(0, 1.46), 270.0},
+                                      {beforeOther + glm::dvec2(0, 1.46), 90.0}}) {
+        SCOPED_TRACE(dir);
+        sketch.north = geometry::NorthArrow{middle, dir, {}};
+        expectRead(sketch, paintTable(sketch, rig));
+    }
+    sketch.north = geometry::NorthArrow{beforeOther, 90, {}};
+    const Photograph half = paintTable(sketch, rig);
+    EXPECT_TRUE(warnsOf(detectSketch(half, rig), "orange like the north arrow"));
+    sketch.north.reset();
+    expectRead(sketch, half);
+}
+
 // Paints that one maker has otherwise than another: a magenta nearer to red than to the usual one, a cyan
 // like light blue, an orange like the wood of the table; a stretch of a wall beside a marker as broad at one
 // end as an arrow's head.
