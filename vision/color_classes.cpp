@@ -266,8 +266,6 @@ void dropFloor(std::vector<Coloured>& coloured, const TableRegion& region, const
         if (region.ground[c.index] != Ground::table)
             ++histogram[static_cast<size_t>(groupOf(image.paint[c.index]))][c.brightness];
     const auto floor = std::count(region.ground.begin(), region.ground.end(), Ground::besideTable);
-    for (size_t paint = 1; paint < kPaints; ++paint)
-        for (size_t level = 0; level < 256; ++level) histogram[0][level] += histogram[paint][level];
     auto limitOf = [&](const std::array<int, 256>& levels) {
         int all = 0, below = 0, level = 0;
         for (const int n : levels) all += n;
@@ -275,12 +273,22 @@ void dropFloor(std::vector<Coloured>& coloured, const TableRegion& region, const
         while (level < 255 && below < 0.95 * all) below += levels[static_cast<size_t>(level++)];
         return std::min(255, level + level / 5);
     };
-    std::array<int, kPaints> limit{};
-    const int anyPaint = limitOf(histogram[0]); // noise has them all
-    for (size_t paint = 1; paint < kPaints; ++paint) {
-        limit[paint] = limitOf(histogram[paint]);
-        if (limit[paint] == 0) limit[paint] = anyPaint;
+    constexpr std::array kCircle{Paint::red,  Paint::yellow, Paint::green,
+                                 Paint::cyan, Paint::blue,   Paint::magenta}; // neighbours in hue
+    constexpr size_t n = kCircle.size();
+    std::array<int, n> own{};
+    std::array<int, 256> rest{}; // of paints that cover little: of all of them where they are noise
+    for (size_t i = 0; i < n; ++i) {
+        const auto& levels = histogram[static_cast<size_t>(kCircle[i])];
+        own[i] = limitOf(levels);
+        for (size_t level = 0; own[i] == 0 && level < 256; ++level) rest[level] += levels[level];
     }
+    // A floor of a hue between two has some of the other's pixels.
+    const int noise = limitOf(rest);
+    std::array<int, kPaints> limit{};
+    for (size_t i = 0; i < n; ++i)
+        limit[static_cast<size_t>(kCircle[i])] =
+            own[i] ? own[i] : std::max({noise, own[(i + 1) % n], own[(i + n - 1) % n]});
     std::erase_if(coloured, [&](const Coloured& c) {
         const int brightest = limit[static_cast<size_t>(groupOf(image.paint[c.index]))];
         return c.brightness <= brightest && mayBeFloor(region, c.index);

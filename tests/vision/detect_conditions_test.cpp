@@ -110,6 +110,16 @@ TEST(DetectConditions, a_wooden_floor_and_a_wall_at_the_edge) {
     expectRead(sketch, paintTable(sketch, exampleRig(), paints));
 }
 
+// Brighter than the red of a wall whose top leans over the table's edge.
+TEST(DetectConditions, a_blue_sleeve_beside_the_table) {
+    const geometry::Rig rig = exampleRig();
+    geometry::Sketch sketch = room();
+    sketch.walls.push_back(wall("w5", {12, -15}, {18.5, -8}, HeightClass::red));
+    Photograph photo = paintTable(sketch, rig);
+    cover(photo, rig, {{-28, -8}, {-20.5, -8}, {-21.2, 8}, {-28, 8}}, 0, {0.2, 0.3, 0.7});
+    expectRead(sketch, photo);
+}
+
 TEST(DetectConditions, pale_cyan_and_a_camera_with_overlapping_filters) {
     PaintBox paints;
     paints.cyan = {0.1, 0.5, 0.58}, paints.sky = {0.48, 0.68, 0.85};
