@@ -182,7 +182,7 @@ private:
         return joined;
     }
 
-    // A red wall's top that touches the arrow in the picture, or hides a part of it, makes one region with it.
+    // A red wall's top that touches the arrow in the picture, or hides a part, makes one region with it.
     void partArrowsFromWalls() {
         const int least = smallestArea(view_);
         for (size_t i = 0; i < used_.size(); ++i) {

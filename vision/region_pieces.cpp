@@ -18,8 +18,7 @@ bool isLightBlue(const Component& region) {
 
 const char* whyNoWall(const Component& region) {
     return region.group == Paint::red && 2 * region.minorityArea > region.area
-               ? "orange like the north arrow, but not of its shape: does a wall hide a part of it? It is left "
-                 "out"
+               ? "orange like the north arrow, but not of its shape: does a wall hide a part? It is left out"
                : "coloured like a wall, but not of a wall's shape; it is left out";
 }
 

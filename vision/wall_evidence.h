@@ -13,8 +13,8 @@ namespace heliodon::vision {
 
 constexpr double kOverEdge = 3; // inches that a wall may stick out over the table
 
-// What is seen of one end: nothing but the white of the table, what is brighter than that and as colourless, as
-// card nearer to the lamps is, or anything else, which may hide the end.
+// What is seen of one end: nothing but the white of the table, what is brighter than that and as colourless,
+// as card nearer to the lamps is, or anything else, which may hide the end.
 enum class EndLook { bare, card, other };
 
 // What a wall shows of its height, as parts of the level of light there. All are near nothing where a pen,
@@ -30,8 +30,8 @@ struct Relief {
 
 // Of things with the colour and the shape of walls, those that are none: where others show relief, they have
 // neither a bright end nor a foot, or lack an end and much of the paint. Unsure: ends that hardly are bright,
-// and no face would be seen either, as below the camera, or something there may be another's; or one bright end
-// and vivid paint as far as where the other is hidden.
+// and no face would be seen either, as below the camera, or something there may be another's; or one bright
+// end and vivid paint as far as where the other is hidden.
 enum class Lies { no, unsure, flat };
 std::vector<Lies> lieFlat(const std::vector<Relief>& reliefs);
 

@@ -9,6 +9,7 @@
 #include <cmath>
 
 #include <glm/geometric.hpp>
+#include <glm/trigonometric.hpp>
 
 #include "vision/bare_paint.h"
 #include "vision/edges.h"
@@ -192,10 +193,13 @@ std::vector<WindowMarker> findWindows(std::vector<Span> spans, const Axis& axis,
     return out;
 }
 
-// Turned so that the wall's `a` is its left end, or its lower one.
+// Along a wall from its right end, or its upper one, while `a` is the other.
+bool isBackwards(glm::dvec2 along) {
+    return along.x < -1e-3 || (std::abs(along.x) <= 1e-3 && along.y < 0);
+}
+
 Axis axisOf(const Pca& pca) {
-    const bool flip = pca.axis.x < -1e-3 || (std::abs(pca.axis.x) <= 1e-3 && pca.axis.y < 0);
-    return {pca.mean, flip ? -pca.axis : pca.axis};
+    return {pca.mean, isBackwards(pca.axis) ? -pca.axis : pca.axis};
 }
 
 struct StripFit {
@@ -307,6 +311,26 @@ std::optional<StripFit> fitWallStrip(const Chain& chain, const Pca& pca, const P
     return fit;
 }
 
+// A few edges of a short wall, read wrong, bend its middle line, but not the circle through all of them.
+std::optional<StraightWall> hardlyBent(const Chain& chain, const PlanView& view,
+                                       const DetectOptions& options) {
+    constexpr double kLeastSagitta = 0.05; // inches
+    const auto arc = fitArc(chain, view, options);
+    if (!arc) return std::nullopt;
+    const double half = glm::radians(0.5 * (arc->a1Deg - arc->a0Deg));
+    if (arc->radius * (1 - std::cos(half)) > kLeastSagitta) return std::nullopt;
+    const auto at = [&](double degrees) {
+        const double a = glm::radians(degrees);
+        return arc->center + arc->radius * glm::dvec2(std::cos(a), std::sin(a));
+    };
+    StraightWall out;
+    out.wall.a = at(arc->a0Deg), out.wall.b = at(arc->a1Deg);
+    if (isBackwards(out.wall.b - out.wall.a)) std::swap(out.wall.a, out.wall.b);
+    out.wall.thickness = arc->thickness, out.wall.heightClass = arc->heightClass;
+    out.wall.detection = {arc->detection.confidence, wallOutline(out.wall, view)};
+    return out;
+}
+
 } // namespace
 
 std::optional<StraightWall> fitStraight(const Chain& chain, const PlanView& view,
@@ -315,7 +339,7 @@ std::optional<StraightWall> fitStraight(const Chain& chain, const PlanView& view
     const Pca pca = principalAxes(pointsOf(chain, view));
     if (!isStrip(pca, height, view, options)) return std::nullopt;
     const std::optional<StripFit> fit = fitWallStrip(chain, pca, view, options);
-    if (!fit) return std::nullopt;
+    if (!fit) return chain.markers.empty() ? hardlyBent(chain, view, options) : std::nullopt;
 
     const auto& [axis, spans, sides, line, bend] = *fit;
     const Span first = spans.front();

@@ -432,8 +432,8 @@ TEST(DetectConditions, pens_and_tape_lie_flat) {
     }
 }
 
-// By a step of light, its brightness or its paint: what lies behind one end is as bright, another is hidden. A
-// pen beside them has a cap that shines.
+// By a step of light, its brightness or its paint: what lies behind one end is as bright, another is hidden.
+// A pen beside them has a cap that shines.
 TEST(DetectConditions, a_walls_end_that_does_not_stand_out) {
     const geometry::Rig rig = exampleRig();
     PaintBox paints;
@@ -798,8 +798,8 @@ TEST(DetectConditions, an_arrow_that_a_red_wall_touches) {
     const auto behindTop = [&](glm::dvec2 plan) { return view.plan(view.pixel(plan, 10), 0); };
     const glm::dvec2 beforeOne = behindTop({0.4, -5.2}), beforeOther = behindTop({3, 5.6});
     geometry::Sketch sketch = room();
-    for (const auto& [middle, dir] : {std::pair{beforeOne - glm::dvec2(0, 1.46), 270.0},
-                                      {beforeOther + glm::dvec2(0, 1.46), 90.0}}) {
+    for (const auto& [middle, dir] :
+         {std::pair{beforeOne - glm::dvec2(0, 1.46), 270.0}, {beforeOther + glm::dvec2(0, 1.46), 90.0}}) {
         SCOPED_TRACE(dir);
         sketch.north = geometry::NorthArrow{middle, dir, {}};
         expectRead(sketch, paintTable(sketch, rig));
@@ -876,6 +876,17 @@ TEST(DetectConditions, a_streak_of_light_below_a_marker_is_no_joint) {
     shade(photo, rig, {behind(-2.4, 0), behind(-1.7, 0), behind(-1.7, 9.5), behind(-2.4, 9.5)}, 0,
           {1.4, 1.4, 1.4});
     expectRead(room(), photo);
+}
+
+// Something dark beside a third of it bends its middle line by more than a straight wall's.
+TEST(DetectConditions, a_short_wall_with_a_blot_beside_it_is_no_arc) {
+    const geometry::Rig rig = exampleRig();
+    geometry::Sketch sketch = room();
+    sketch.walls.push_back(wall("w5", {-2, -1}, {0.6, -1}, HeightClass::red));
+    Photograph photo = paintTable(sketch, rig);
+    cover(photo, rig, {{-1, -0.8125}, {-0.6, -0.8125}, {-0.6, -0.6925}, {-1, -0.6925}}, 10,
+          {0.05, 0.05, 0.05});
+    expectRead(sketch, photo);
 }
 
 // In the picture; what is cut at it falls into straight strips.
