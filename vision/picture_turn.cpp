@@ -2,14 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include <glm/geometric.hpp>
-#include <glm/mat3x3.hpp>
-#include <glm/matrix.hpp>
 
-#include "vision/edges.h"
 #include "vision/median.h"
+#include "vision/table_edge.h"
 #include "vision/wall_evidence.h"
 
 namespace heliodon::vision {
@@ -64,45 +61,6 @@ std::optional<PictureTurn> turnByFaces(const std::vector<geometry::Wall>& walls,
         if (clear && *clear > most) best = turn, most = *clear;
     }
     return best;
-}
-
-// Plan inches from the middle of the table as the camera has it to that of the edge seen, where that is
-// within half an inch and shows nearly all round.
-std::optional<glm::dvec2> edgeOffset(const PlanView& view, double radius) {
-    constexpr int kDirections = 72;
-    constexpr size_t kLeast = 54;
-    constexpr double kReach = 0.7, kOutlier = 0.05; // inches
-    struct Place {
-        glm::dvec2 out{};
-        double past = 0;
-    };
-    std::vector<Place> places;
-    for (int k = 0; k < kDirections; ++k) {
-        const double angle = 2 * std::numbers::pi * k / kDirections;
-        EdgeProbe probe;
-        probe.outward = {std::cos(angle), std::sin(angle)};
-        probe.at = radius * probe.outward;
-        probe.lateral = 0.1 * turnedLeft(probe.outward);
-        probe.inside = probe.outside = kReach;
-        if (const auto edge = findEdge(view, probe)) places.push_back({probe.outward, *edge});
-    }
-    glm::dvec3 fit(0); // offset, and how much larger the table is
-    for (int pass = 0; pass < 3; ++pass) {
-        glm::dmat3 normal(0);
-        glm::dvec3 right(0);
-        for (const Place& place : places) {
-            const glm::dvec3 row(place.out, 1);
-            normal += glm::outerProduct(row, row);
-            right += place.past * row;
-        }
-        if (places.size() < kLeast) return std::nullopt;
-        fit = glm::inverse(normal) * right;
-        std::erase_if(places, [&](const Place& place) {
-            return std::abs(place.past - glm::dot(fit, glm::dvec3(place.out, 1))) > kOutlier * (3 - pass);
-        });
-    }
-    if (places.size() < kLeast) return std::nullopt;
-    return glm::dvec2(fit);
 }
 
 // Where the faces do not tell, as below a camera over the table's middle: the turn that puts the edge seen on

@@ -8,16 +8,20 @@
 
 #include <fmt/format.h>
 #include <glm/geometric.hpp>
+#include <glm/mat3x3.hpp>
+#include <glm/matrix.hpp>
+
+#include "vision/edges.h"
 
 namespace heliodon::vision {
 
 namespace {
 
 constexpr int kDirections = 72, kLeastSeen = 36;
-constexpr double kReach = 0.7;                  // inches within and beyond the edge
-constexpr double kStep = 0.14;                  // of the logarithm of light
-constexpr double kThere = 0.7, kClearly = 0.85; // share of the directions with a step one way
-constexpr double kFarthest = 10, kCoarse = 0.5, kFine = 0.1, kWorthSaying = 1; // inches
+constexpr double kReach = 0.7;                               // inches within and beyond the edge
+constexpr double kStep = 0.14;                               // of the logarithm of light
+constexpr double kThere = 0.7, kClearly = 0.85;              // share of the directions with a step one way
+constexpr double kFarthest = 10, kCoarse = 0.5, kFine = 0.1; // inches
 
 // The logarithm of light on the table; none beyond the picture.
 std::optional<double> lightAt(const PlanView& view, glm::dvec2 plan) {
@@ -66,12 +70,53 @@ std::pair<glm::dvec2, double> bestPlace(const PlanView& view, double radius, glm
 
 } // namespace
 
+std::optional<glm::dvec2> edgeOffset(const PlanView& view, double radius) {
+    constexpr int kDirections = 72;
+    constexpr size_t kLeast = 54;
+    constexpr double kFar = 1.2, kOutlier = 0.05; // inches
+    struct Place {
+        glm::dvec2 out{};
+        double past = 0;
+    };
+    std::vector<Place> places;
+    for (int k = 0; k < kDirections; ++k) {
+        const double angle = 2 * std::numbers::pi * k / kDirections;
+        EdgeProbe probe;
+        probe.outward = {std::cos(angle), std::sin(angle)};
+        probe.at = radius * probe.outward;
+        probe.lateral = 0.1 * turnedLeft(probe.outward);
+        probe.inside = probe.outside = kFar;
+        if (const auto edge = findEdge(view, probe)) places.push_back({probe.outward, *edge});
+    }
+    glm::dvec3 fit(0); // offset, and how much larger the table is
+    for (int pass = 0; pass < 3; ++pass) {
+        glm::dmat3 normal(0);
+        glm::dvec3 right(0);
+        for (const Place& place : places) {
+            const glm::dvec3 row(place.out, 1);
+            normal += glm::outerProduct(row, row);
+            right += place.past * row;
+        }
+        if (places.size() < kLeast) return std::nullopt;
+        fit = glm::inverse(normal) * right;
+        std::erase_if(places, [&](const Place& place) {
+            return std::abs(place.past - glm::dot(fit, glm::dvec3(place.out, 1))) > kOutlier * (3 - pass);
+        });
+    }
+    if (places.size() < kLeast) return std::nullopt;
+    return glm::dvec2(fit);
+}
+
 std::optional<glm::dvec2> tableOffset(const PlanView& view, double radius) {
-    if (radius < 2 * kReach || agreement(view, {}, radius) >= kThere) return std::nullopt;
+    constexpr double kWorthSaying = 0.3, kWorthCoarse = 1; // inches
+    if (radius < 2 * kReach) return std::nullopt;
+    if (const auto near = edgeOffset(view, radius))
+        return glm::length(*near) < kWorthSaying ? std::nullopt : near;
+    if (agreement(view, {}, radius) >= kThere) return std::nullopt;
     const auto [coarse, clear] = bestPlace(view, radius, {}, kFarthest, kCoarse);
     if (clear < kClearly) return std::nullopt;
     const glm::dvec2 offset = bestPlace(view, radius, coarse, 1.5 * kCoarse, kFine).first;
-    if (glm::length(offset) < kWorthSaying) return std::nullopt;
+    if (glm::length(offset) < kWorthCoarse) return std::nullopt;
     return offset;
 }
 
@@ -101,7 +146,9 @@ std::optional<std::string> tableElsewhere(const PlanView& view, double radius) {
         const glm::dvec2 expected = view.pixel({}, 0), seen = view.pixel(*offset, 0);
         return fmt::format(
             "the table's edge shows {:.1f} in from where the rig has it (its middle at pixel {:.0f}, {:.0f}, "
-            "not {:.0f}, {:.0f}): was the camera moved, or the picture turned? Walls may be misread",
+            "not {:.0f}, {:.0f}): was the camera moved, the picture turned, or the calibration board not on "
+            "the "
+            "table's middle? Walls may be misread",
             glm::length(*offset), seen.x, seen.y, expected.x, expected.y);
     }
     const auto seen = tableRadiusSeen(view, radius);
