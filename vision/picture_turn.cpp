@@ -42,16 +42,24 @@ std::optional<float> clearness(const std::vector<geometry::Wall>& walls, const W
 
 constexpr PictureTurn kTurns[] = {PictureTurn::mirrored, PictureTurn::upsideDown, PictureTurn::turnedByHalf};
 
+// As a calibration has it.
+bool fits(const std::optional<glm::dvec2>& edge) {
+    constexpr double kOn = 0.06; // inches
+    return edge && glm::length(*edge) < kOn;
+}
+
 std::optional<PictureTurn> turnByFaces(const std::vector<geometry::Wall>& walls, const ClassImage& image,
                                        const PlanView& view, const DetectOptions& options, double radius) {
     constexpr float kClear = 0.1f, kLeast = 0.08f, kBetter = 1.7f;
     const auto asItIs = clearness(walls, {image, view, options, radius});
     if (!asItIs || *asItIs > kClear) return std::nullopt;
+    const bool edgeFits = fits(edgeOffset(view, radius));
     std::optional<PictureTurn> best;
     float most = std::max(kLeast, kBetter * *asItIs);
     for (const PictureTurn turn : kTurns) {
         const geometry::OpticalDevice camera = turnedCamera(view.camera(), turn);
         const PlanView turned(view.photo(), camera, options.gamma);
+        if (edgeFits && !fits(edgeOffset(turned, radius))) continue;
         std::vector<geometry::Wall> there = walls;
         for (geometry::Wall& wall : there) {
             const double height = geometry::heightInches(wall.heightClass);
@@ -66,13 +74,12 @@ std::optional<PictureTurn> turnByFaces(const std::vector<geometry::Wall>& walls,
 // Where the faces do not tell, as below a camera over the table's middle: the turn that puts the edge seen on
 // the rig's, from which it lies off by more than a calibration errs.
 std::optional<PictureTurn> turnByEdge(const PlanView& view, const DetectOptions& options, double radius) {
-    constexpr double kOff = 0.2, kOn = 0.06; // inches
+    constexpr double kOff = 0.2; // inches
     const auto asItIs = edgeOffset(view, radius);
     if (!asItIs || glm::length(*asItIs) < kOff) return std::nullopt;
     for (const PictureTurn turn : kTurns) {
         const geometry::OpticalDevice camera = turnedCamera(view.camera(), turn);
-        const auto turned = edgeOffset(PlanView(view.photo(), camera, options.gamma), radius);
-        if (turned && glm::length(*turned) < kOn) return turn;
+        if (fits(edgeOffset(PlanView(view.photo(), camera, options.gamma), radius))) return turn;
     }
     return std::nullopt;
 }

@@ -16,8 +16,9 @@ enum class PictureTurn { mirrored, upsideDown, turnedByHalf }; // left and right
 
 // By the faces of the walls found, three or more; none where they end where the rig's camera sees the table,
 // where no turn fits clearly better, and mostly where half of the walls or more lie along the way that the
-// turn would move it: then all look alike. Else by the table's edge, where it is 0.2 to 1.1 in off and a turn
-// puts it within 0.06 in of its place; none where the table fills the picture or has the floor's colour.
+// turn would move it: then all look alike; nor one that takes the table's edge from where the rig has it.
+// Else by the table's edge, where it is 0.2 to 1.1 in off and a turn puts it within 0.06 in of its place;
+// none where the table fills the picture or has the floor's colour.
 std::optional<PictureTurn> pictureTurn(const std::vector<geometry::Wall>& walls, const ClassImage& image,
                                        const PlanView& view, const DetectOptions& options, double radius);
 
