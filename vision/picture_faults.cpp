@@ -120,7 +120,7 @@ std::optional<std::string> smeared(const geometry::Sketch& sketch, const PlanVie
     constexpr double kMost = 0.5, kLeastPixels = 4.5; // of the top's width; of the top on the table
     const double top = options.wallThickness * view.pixelsPerInch({0, 0}, 0);
     if (top < kLeastPixels)
-        return fmt::format("a wall's top is {:.1f} pixels wide, expected {:.1f} or more: walls and markers "
+        return fmt::format("a wall's top is {:.2f} pixels wide, expected {:.2f} or more: walls and markers "
                            "may be misread, tokens missed; more pixels or a nearer camera help",
                            top, kLeastPixels);
     std::vector<double> widths;

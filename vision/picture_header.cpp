@@ -100,6 +100,34 @@ Size tiffSize(const std::vector<uint8_t>& bytes) {
     return size;
 }
 
+// Whether the first directory and the strips or tiles that it names are in the file.
+bool isWholeTiff(const std::vector<uint8_t>& bytes) {
+    constexpr size_t kShort = 3, kLong = 4, kEntry = 12;
+    constexpr size_t kStrips = 273, kStripSizes = 279, kTiles = 324, kTileSizes = 325;
+    const bool highFirst = bytes[0] == 'M';
+    const size_t directory = numberAt(bytes, 4, 4, highFirst);
+    if (directory + 2 > bytes.size()) return false;
+    const size_t entries = numberAt(bytes, directory, 2, highFirst);
+    if (directory + 2 + entries * kEntry > bytes.size()) return false;
+    std::vector<size_t> begins, sizes;
+    for (size_t i = 0; i < entries; ++i) {
+        const size_t at = directory + 2 + i * kEntry, tag = numberAt(bytes, at, 2, highFirst),
+                     type = numberAt(bytes, at + 2, 2, highFirst),
+                     count = numberAt(bytes, at + 4, 4, highFirst);
+        const bool isBegin = tag == kStrips || tag == kTiles,
+                   isSize = tag == kStripSizes || tag == kTileSizes;
+        if (!(isBegin || isSize) || (type != kShort && type != kLong)) continue;
+        const size_t wide = type == kShort ? 2 : 4; // bytes of a value; few stand in the entry itself
+        const size_t first = count * wide <= 4 ? at + 8 : numberAt(bytes, at + 8, 4, highFirst);
+        if (first + count * wide > bytes.size()) return false;
+        for (size_t k = 0; k < count; ++k)
+            (isBegin ? begins : sizes).push_back(numberAt(bytes, first + k * wide, wide, highFirst));
+    }
+    for (size_t i = 0; i < std::min(begins.size(), sizes.size()); ++i)
+        if (begins[i] + sizes[i] > bytes.size()) return false;
+    return true;
+}
+
 constexpr size_t kOfTable = 64; // values
 using Quantization = std::array<int, kOfTable>;
 
@@ -140,6 +168,7 @@ Size pictureSize(const std::vector<uint8_t>& bytes) {
 bool isCutShort(const std::vector<uint8_t>& bytes) {
     if (isPng(bytes)) return !chunkOf(bytes, "IEND");
     if (isJpeg(bytes)) return !isWholeJpeg(bytes);
+    if (isTiff(bytes)) return !isWholeTiff(bytes);
     return false;
 }
 

@@ -11,7 +11,8 @@ namespace heliodon::vision {
 // Width and height in pixels, as stated; none where nothing states them.
 std::optional<std::pair<uint64_t, uint64_t>> pictureSize(const std::vector<uint8_t>& bytes);
 
-// Decoders read what is there of a PNG or JPEG file that was cut short and leave the rest grey.
+// Decoders read what is there of a PNG or JPEG file that was cut short and leave the rest grey; of a TIFF
+// they complain in words of their own.
 bool isCutShort(const std::vector<uint8_t>& bytes);
 
 // Whether a part of a PNG that decoders need is not as it was written, by its checksum.

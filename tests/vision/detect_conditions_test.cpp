@@ -959,6 +959,11 @@ TEST(DetectConditions, says_that_the_picture_is_too_coarse_or_out_of_focus) {
     rig.camera.width /= 2, rig.camera.height /= 2;
     lens.fx /= 2, lens.fy /= 2, lens.cx /= 2, lens.cy /= 2;
     EXPECT_TRUE(warnsOf(detectSketch(paintTable(room(), rig), rig), "pixels wide"));
+    // Hardly too few pixels are not told as enough.
+    rig = exampleRig();
+    const double top = 0.375 * PlanView(paintTable({}, rig), rig.camera, 2.2).pixelsPerInch({0, 0}, 0);
+    lens.fx *= 4.47 / top, lens.fy *= 4.47 / top;
+    EXPECT_TRUE(warnsOf(detectSketch(paintTable(room(), rig), rig), "is 4.47 pixels wide, expected 4.50"));
 }
 
 TEST(DetectConditions, says_where_a_wall_is_hidden_or_cut_off) {
@@ -1084,6 +1089,31 @@ TEST(Photograph, with_less_or_more_data_than_pixels_is_refused_by_name) {
         } catch (const geometry::InputError& error) {
             EXPECT_EQ(std::string(error.what()).rfind(file + ": the picture is damaged: ", 0), 0u)
                 << error.what();
+        }
+    }
+}
+
+TEST(Photograph, a_tiff_cut_short_is_told_before_it_is_decoded) {
+    std::string whole("II*\0\x08\0\0\0\x09\0", 10);
+    constexpr int kSide = 40, kPixels = 8 + 2 + 9 * 12 + 4 + 6; // pixels; bytes before them
+    const auto entry = [&](int tag, int type, int count, int value) {
+        for (const auto& [number, size] : {std::pair{tag, 2}, {type, 2}, {count, 4}, {value, 4}})
+            for (int i = 0; i < size; ++i) whole += static_cast<char>(number >> 8 * i & 0xFF);
+    };
+    entry(256, 3, 1, kSide), entry(257, 3, 1, kSide), entry(258, 3, 3, kPixels - 6), entry(259, 3, 1, 1);
+    entry(262, 3, 1, 2), entry(273, 4, 1, kPixels), entry(277, 3, 1, 3), entry(278, 3, 1, kSide);
+    entry(279, 4, 1, 3 * kSide * kSide);
+    whole += std::string("\0\0\0\0\x08\0\x08\0\x08\0", 10) + std::string(3 * kSide * kSide, 'x');
+    const std::string file = testing::TempDir() + "heliodon_cut_short.tif";
+    std::ofstream(file, std::ios::binary) << whole;
+    EXPECT_EQ(readPhotograph(file).width, kSide);
+    for (const size_t length : {whole.size() - 1, whole.size() / 2, size_t{60}}) {
+        std::ofstream(file, std::ios::binary) << whole.substr(0, length);
+        try {
+            readPhotograph(file);
+            ADD_FAILURE() << length;
+        } catch (const geometry::InputError& error) {
+            EXPECT_NE(std::string(error.what()).find("is cut short"), std::string::npos) << error.what();
         }
     }
 }
