@@ -123,6 +123,15 @@ private:
         return liesOnTable(arrow.pos - half, kBroad) && liesOnTable(arrow.pos + half, kBroad);
     }
 
+    // With all its corners: a sleeve or a sheet reaches past the edge.
+    bool liesOnTable(const geometry::Skylight& skylight) const {
+        const double a = glm::radians(skylight.angleDeg);
+        const glm::dvec2 x = 0.5 * skylight.size.x * glm::dvec2(std::cos(a), std::sin(a)),
+                         y = 0.5 * skylight.size.y * glm::dvec2(-std::sin(a), std::cos(a));
+        return liesOnTable(skylight.center + x + y, 0) && liesOnTable(skylight.center + x - y, 0) &&
+               liesOnTable(skylight.center - x + y, 0) && liesOnTable(skylight.center - x - y, 0);
+    }
+
     WallEvidence evidence() const { return {image_, view_, options_, radius()}; }
 
     void findTokens() {
@@ -264,8 +273,7 @@ private:
                 used_[i] = true;
                 continue;
             }
-            if (auto skylight = fitSkylight(region, view_, options_);
-                skylight && liesOnTable(skylight->center, 0)) {
+            if (auto skylight = fitSkylight(region, view_, options_); skylight && liesOnTable(*skylight)) {
                 used_[i] = true;
                 if (isPatchOfLight(*skylight)) {
                     unread(region, "a patch of bluish light; it is left out");
@@ -349,8 +357,7 @@ private:
     // Cyan and light blue differ by little: a marker on no wall may be a skylight, if it is wide enough.
     void readOrphan(const Component& marker) {
         if (marker.group == Paint::cyan && relativeWidth(marker, 0) > 1.5)
-            if (auto skylight = fitSkylight(marker, view_, options_);
-                skylight && liesOnTable(skylight->center, 0)) {
+            if (auto skylight = fitSkylight(marker, view_, options_); skylight && liesOnTable(*skylight)) {
                 out_.sketch.skylights.push_back(*skylight);
                 return;
             }

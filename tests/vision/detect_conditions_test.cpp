@@ -530,6 +530,14 @@ TEST(DetectConditions, white_paper_overexposed_by_warm_lamps_is_no_skylight) {
     EXPECT_TRUE(warnsOf(result, "its colour is lost"));
 }
 
+TEST(DetectConditions, a_light_blue_sleeve_over_the_tables_edge_is_no_skylight) {
+    const geometry::Rig rig = exampleRig();
+    Photograph photo = paintTable(room(), rig);
+    cover(photo, rig, {{-22.4, -2}, {-18, -2}, {-18, 2}, {-22.4, 2}}, 0, PaintBox{}.sky);
+    expectRead(room(), photo);
+    EXPECT_TRUE(warnsOf(detectSketch(photo, rig), "light blue like a skylight"));
+}
+
 // As seen by a tilted camera: in the picture they touch.
 TEST(DetectConditions, a_blue_wall_before_a_skylight) {
     const geometry::Rig rig = exampleRig();
