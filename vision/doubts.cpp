@@ -59,6 +59,7 @@ public:
 
     void run() {
         for (const auto& skylight : sketch_.skylights) lookAt(skylight);
+        for (const auto& token : sketch_.tokens) lookAt(token);
         if (sketch_.north) lookAt(*sketch_.north);
         for (const auto& wall : sketch_.walls) lookForPaleMarkers(wall);
         for (const auto& window : sketch_.windows) lookAt(window);
@@ -87,6 +88,30 @@ private:
         else if (!isLightBlue(skylight))
             doubts_.add(centreOf(skylight.detection), "read as a skylight, but deeper or darker than "
                                                       "light-blue card: is it a mat, a note or a pot?");
+    }
+
+    // The chip's colour is told by the white round it: cut off, that makes it lighter, by more in one channel
+    // than in another.
+    void lookAt(const geometry::Token& token) {
+        constexpr uint8_t kClipped = 254;
+        constexpr int kAlong = 10, kMost = 8 * kAlong / 4; // samples along half a side; a quarter of all
+        const Photograph& photo = view_.photo();
+        const double angle = glm::radians(token.angleDeg),
+                     ring = 0.5 * options_.tokenSide - 1.5 * options_.tokenBand;
+        const glm::dvec2 axis(std::cos(angle), std::sin(angle));
+        int clipped = 0;
+        for (const glm::dvec2 out : {axis, -axis, turnedLeft(axis), -turnedLeft(axis)})
+            for (int i = -kAlong; i < kAlong; ++i) {
+                const glm::dvec2 at = token.pos + ring * (out + (i + 0.5) / kAlong * turnedLeft(out));
+                const glm::dvec2 p = view_.pixel(at, options_.tokenThickness);
+                const auto x = std::lround(p.x), y = std::lround(p.y);
+                if (x < 0 || y < 0 || x >= photo.width || y >= photo.height) continue;
+                const uint8_t* rgb = &photo.rgb[3 * static_cast<size_t>(y * photo.width + x)];
+                clipped += std::max({rgb[0], rgb[1], rgb[2]}) >= kClipped;
+            }
+        if (clipped > kMost)
+            doubts_.add(centreOf(token.detection),
+                        "the white round a token's chip is overexposed: the chip is read too light");
     }
 
     // Its confidence is the share of its length along which both sides are seen as edges that lie alike.

@@ -538,6 +538,14 @@ TEST(DetectConditions, a_light_blue_sleeve_over_the_tables_edge_is_no_skylight) 
     EXPECT_TRUE(warnsOf(detectSketch(photo, rig), "light blue like a skylight"));
 }
 
+TEST(DetectConditions, says_that_the_white_round_a_chip_is_overexposed) {
+    const geometry::Rig rig = exampleRig();
+    Photograph photo = paintTable(room(), rig);
+    EXPECT_FALSE(warnsOf(detectSketch(photo, rig), "overexposed"));
+    shade(photo, rig, {{-5.2, -2.2}, {-2.8, -2.2}, {-2.8, 0.2}, {-5.2, 0.2}}, 0.06, {2, 2, 2});
+    EXPECT_TRUE(warnsOf(detectSketch(photo, rig), "the white round a token's chip is overexposed"));
+}
+
 // As seen by a tilted camera: in the picture they touch.
 TEST(DetectConditions, a_blue_wall_before_a_skylight) {
     const geometry::Rig rig = exampleRig();
