@@ -404,6 +404,7 @@ private:
             if (lies[i] == Lies::no) return false;
             const glm::dvec2 p = centreOf(detection);
             const bool flat = lies[i] == Lies::flat;
+            out_.wallsLeftOut += flat;
             doubts_.add(
                 p, flat ? "coloured and wide like a wall, but without its white ends and its faces; it is "
                           "left out"
@@ -429,6 +430,7 @@ private:
     void unread(const Component& region, const char* what) {
         const double perInch = view_.pixelsPerInch(view_.plan(region.centre, 0), 0);
         if (region.area < 3 * kSmallestRegion * perInch * perInch) return; // specks are not worth a line
+        out_.wallsLeftOut += isWallPaint(region.group) && 2 * region.minorityArea <= region.area;
         doubts_.add(region.centre, what);
     }
 

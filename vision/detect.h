@@ -44,6 +44,7 @@ struct DetectionResult {
     geometry::Sketch sketch;
     // What was seen and not understood, one line each; also when nothing was seen.
     std::vector<std::string> warnings;
+    size_t wallsLeftOut = 0; // pieces with a wall's paint that were not read as walls; warnings name them
 };
 
 // Deterministic. An empty table, a black picture or noise gives a sketch without walls and a warning.

@@ -165,6 +165,15 @@ void fitFacets(Run& run, const SceneArguments& arguments, const geometry::Sketch
     if (!arguments.chordError) options.coarseChord = kCoarseChord;
 }
 
+// Of a photograph that gives no room: a wall may be among it.
+std::string whatWasLeftOut(Run& run) {
+    const auto count = run.report().value(json::json_pointer("/detected/walls_left_out"), size_t{0});
+    if (count == 0) return {};
+    return fmt::format("; {} in the photograph {} left out that may be {}: its warnings name {}",
+                       geometry::counted(count, "piece"), count == 1 ? "was" : "were",
+                       count == 1 ? "a wall" : "walls", count == 1 ? "it" : "them");
+}
+
 // Where that closes nothing, facets are left as the chord error alone makes them.
 geometry::Building closeOrRefuse(Run& run, const SceneArguments& arguments, const geometry::Sketch& sketch,
                                  geometry::ClosureOptions& options) {
@@ -176,7 +185,8 @@ geometry::Building closeOrRefuse(Run& run, const SceneArguments& arguments, cons
     }
     reportClosure(run, closure.report);
     if (!closure.building)
-        throw InputError(arguments.input.string(), "", closure.report.code + ": " + closure.report.message);
+        throw InputError(arguments.input.string(), "",
+                         closure.report.code + ": " + closure.report.message + whatWasLeftOut(run));
     if (closure.report.outcome == geometry::Outcome::warn)
         run.warn(closure.report.code + ": " + closure.report.message);
     return std::move(*closure.building);
@@ -264,9 +274,13 @@ geometry::Sketch loadSketch(Run& run, const SceneArguments& arguments,
                                   [](const auto& text) { return !text.starts_with("pixel "); });
     run.warnOfEach(found.warnings);
     const geometry::Sketch& s = found.sketch;
-    run.report()["detected"] = {{"walls", s.walls.size()},     {"arcs", s.arcs.size()},
-                                {"windows", s.windows.size()}, {"skylights", s.skylights.size()},
-                                {"tokens", s.tokens.size()},   {"north", s.north.has_value()}};
+    run.report()["detected"] = {{"walls", s.walls.size()},
+                                {"arcs", s.arcs.size()},
+                                {"windows", s.windows.size()},
+                                {"skylights", s.skylights.size()},
+                                {"tokens", s.tokens.size()},
+                                {"north", s.north.has_value()},
+                                {"walls_left_out", found.wallsLeftOut}};
     return std::move(found.sketch);
 }
 

@@ -1,7 +1,10 @@
 // Bad input: one clear line that names file and place, exit code 2, nothing written.
 #include <algorithm>
 
+#include "geometry/picture_file.h"
+#include "geometry/rig.h"
 #include "tests/app/program.h"
+#include "tests/vision/table_painter.h"
 
 namespace heliodon::test {
 namespace {
@@ -31,6 +34,19 @@ TEST_F(BadInput, a_missing_photograph) {
 
 TEST_F(BadInput, a_photograph_without_a_rig) {
     expectRefused("model " + kPhoto + " -o " + in("out.obj"), {"i01_mixed.png", "--rig"});
+}
+
+// Without its warnings the line alone tells why.
+TEST_F(BadInput, a_photograph_of_which_walls_were_left_out) {
+    const geometry::Rig rig = geometry::readRig(kRig);
+    geometry::Sketch sketch;
+    sketch.walls.resize(1);
+    sketch.walls[0].a = {-5, 3}, sketch.walls[0].b = {5, 3};
+    vision::Photograph photo = vision::paintTable(sketch, rig);
+    vision::cover(photo, rig, {{-5, -4}, {5, -4}, {5, -3}, {-5, -3}}, 0, {0.4, 0.06, 0.06});
+    geometry::writePngFile(in("photo.png"), photo.width, photo.height, photo.rgb.data());
+    expectRefused("model --quiet " + in("photo.png") + " --rig " + kRig + " -o " + in("out.obj"),
+                  {"photo.png", "NOT_ENCLOSED", "1 piece in the photograph was left out that may be a wall"});
 }
 
 TEST_F(BadInput, a_program_that_was_copied_alone_or_in_part_says_what_it_lacks_and_where) {
