@@ -3,6 +3,8 @@
 #include "geometry/crossing_solids.h"
 
 #include <algorithm>
+#include <cmath>
+#include <functional>
 #include <map>
 #include <memory>
 #include <set>
@@ -12,6 +14,7 @@
 #include "geometry/disjoint_sets.h"
 #include "geometry/face_crossing.h"
 #include "geometry/flat_faces.h"
+#include "geometry/outline_area.h"
 #include "geometry/shell_faces.h"
 #include "geometry/triangle_rays.h"
 
@@ -21,7 +24,8 @@ namespace {
 
 using glm::dvec3;
 
-constexpr uint32_t kNone = UINT32_MAX; // body of what welding leaves nothing of
+constexpr double kOnePlaneCosine = 0.999; // of normals of faces in one plane
+constexpr uint32_t kNone = UINT32_MAX;    // body of what welding leaves nothing of
 
 // Whether a convex face is on both sides of the other's plane, and the line there runs on the other one or
 // its border.
@@ -96,6 +100,7 @@ public:
         for (const FlatFace& face : faces_)
             boxes_.push_back({face.box.low - tolerance, face.box.high + tolerance});
         tree_.emplace(boxes_);
+        straighten();
     }
 
     std::optional<UnitedSolids> unite(Solids which) {
@@ -131,6 +136,35 @@ private:
             triangles.push_back(t);
         }
     };
+
+    // What rounding puts on corners turns the triangles of a narrow side by 1e-4 and more, and cuts along
+    // their planes part far from them: each takes the plane of the largest face that it touches and lies in.
+    void straighten() {
+        std::vector<std::pair<double, uint32_t>> largestFirst; // by twice the area
+        for (uint32_t k = 0; k < faces_.size(); ++k)
+            largestFirst.emplace_back(glm::length(areaVector(faces_[k].loops[0])), k);
+        std::ranges::sort(largestFirst, std::greater());
+        std::vector<uint32_t> place(faces_.size());
+        for (uint32_t k = 0; k < faces_.size(); ++k) place[largestFirst[k].second] = k;
+        for (const auto& [area, k] : largestFirst) {
+            FlatFace& face = faces_[k];
+            uint32_t largest = k;
+            tree_->anyHolding(face.box.high, face.box.low, [&](uint32_t i) {
+                if (place[i] < place[largest] && liesIn(face, faces_[i])) largest = i;
+                return false; // look at all
+            });
+            if (largest == k) continue;
+            const FlatFace& plane = faces_[largest];
+            face.normal = glm::dot(face.normal, plane.normal) < 0 ? -plane.normal : plane.normal;
+            face.origin = plane.origin;
+        }
+    }
+
+    bool liesIn(const FlatFace& face, const FlatFace& plane) const {
+        return std::abs(glm::dot(face.normal, plane.normal)) > kOnePlaneCosine &&
+               std::ranges::all_of(face.loops[0],
+                                   [&](dvec3 p) { return std::abs(plane.height(p)) <= tolerance_; });
+    }
 
     // What hangs together by edges: where more than two faces meet in one, each with the next in the file, as
     // bodies are written one after another.

@@ -12,6 +12,7 @@
 #include <gtest/gtest.h>
 
 #include "geometry/input_error.h"
+#include "geometry/outline_area.h"
 #include "tests/geometry/sheet_drawing.h"
 
 namespace heliodon::geometry {
@@ -119,6 +120,37 @@ TEST(CrossingSolids, a_cavity_is_no_part_of_a_solid) {
             volumes += glm::dot(loop[0], glm::cross(loop[k - 1], loop[k])) / 6;
         }
     EXPECT_NEAR(volumes, 1000 - 512 + 1 + 0.04 * 1 + (1 + 2) + 1, 1e-9);
+}
+
+// Of a thin board let into a wall, whose corners are rounded: its end's two triangles lie in planes of their
+// own, which part by millimetres up the wall.
+TEST(CrossingSolids, walls_are_cut_once_along_ends_that_rounding_has_turned) {
+    std::vector<SoupFace> faces;
+    const auto add = [&](const std::vector<dvec3>& corners) {
+        faces.push_back({.loops = {corners}, .surface = static_cast<uint32_t>(faces.size())});
+    };
+    for (const auto& [o, u, v] : Drawing::sidesOf({-0.2, 0, 0}, {0.2, 3, 5}))
+        add({o, o + v, o + u + v, o + u});
+    const std::vector<dvec3> corner{
+        {-0.1, 1, 1}, {-0.1, 1, 1.002}, {0.5, 1 - 1e-6, 1.002}, {0.5, 1 + 1e-6, 1}};
+    const dvec3 along(0, 1.5, 0);
+    for (const auto& [a, b, c] : {std::array{0, 2, 1}, {0, 3, 2}}) {
+        const auto at = [&](int k) { return corner[static_cast<size_t>(k)]; };
+        add({at(a), at(b), at(c)});
+        add({at(c) + along, at(b) + along, at(a) + along});
+    }
+    for (size_t k = 0; k < 4; ++k) {
+        const dvec3 a = corner[k], b = corner[(k + 1) % 4];
+        add({a, b, b + along, a + along});
+    }
+    add({{9, 0, 0}, {9, 1, 0}, {9, 0, 1}});
+    faces.back().material = 1; // glass somewhere
+    const auto united = uniteSolids(
+        faces, [](uint32_t material) { return material == 1; }, 2e-5);
+    ASSERT_TRUE(united);
+    for (const SoupFace& face : united->faces)
+        if (const auto& loop = face.loops[0]; std::ranges::all_of(loop, [](dvec3 p) { return p.x == 0; }))
+            EXPECT_GT(glm::length(areaVector(loop)) / perimeter(loop), 0.1); // no needle of the wall
 }
 
 // A slab of glass let into walls that touch: the insides of the walls came out as rooms, the slab as two
