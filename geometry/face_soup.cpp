@@ -141,9 +141,16 @@ private:
                     if (found != loose_.end())
                         longer.insert(longer.end(), found->second.begin(), found->second.end());
                 }
-                loop = std::move(longer);
+                if (longer.size() > loop.size()) loop = withoutSpikes(std::move(longer));
             }
         return true;
+    }
+
+    // A corner that is on two edges of a face, as these run on so near one another, ends it there.
+    static std::vector<uint32_t> withoutSpikes(std::vector<uint32_t> loop) {
+        std::vector<uint32_t> out = loop;
+        dropRepeats(out);
+        return out.size() < 3 ? loop : out;
     }
 
     uint32_t roomOf(uint32_t vertex) {

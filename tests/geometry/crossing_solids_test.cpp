@@ -153,6 +153,32 @@ TEST(CrossingSolids, walls_are_cut_once_along_ends_that_rounding_has_turned) {
             EXPECT_GT(glm::length(areaVector(loop)) / perimeter(loop), 0.1); // no needle of the wall
 }
 
+// The corner of one wall is on two edges of a triangle of another, beside the corner in which these meet.
+TEST(CrossingSolids, walls_whose_heights_differ_by_less_than_a_millimetre) {
+    std::vector<SoupFace> faces;
+    const auto add = [&](const std::vector<dvec3>& corners, uint32_t material) {
+        faces.push_back(
+            {.loops = {corners}, .material = material, .surface = static_cast<uint32_t>(faces.size())});
+    };
+    const auto inTriangles = [&](dvec3 low, dvec3 high) {
+        for (const auto& [o, u, v] : Drawing::sidesOf(low, high - low)) {
+            add({o, o + v, o + u + v}, 0);
+            add({o, o + u + v, o + u}, 0);
+        }
+    };
+    for (const double lower : {0.0, 8e-5}) {
+        faces.clear();
+        inTriangles({0, 0, 0}, {2, 3, 0.1});
+        inTriangles({2, 0, 0}, {4, 3 - lower, 0.1});
+        inTriangles({-1, -1, 0}, {0.1, 1, 0.1});   // runs into the first
+        add({{9, 0, 0}, {9, 1, 0}, {9, 0, 1}}, 1); // glass somewhere
+        const auto united = uniteSolids(
+            faces, [](uint32_t material) { return material == 1; }, 2e-5);
+        ASSERT_TRUE(united);
+        EXPECT_EQ(united->solids, 3u) << lower;
+    }
+}
+
 // A slab of glass let into walls that touch: the insides of the walls came out as rooms, the slab as two
 // panes.
 TEST(CrossingSolids, walls_that_touch_are_one_where_they_would_be_rooms) {
