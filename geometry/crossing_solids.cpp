@@ -24,7 +24,6 @@ namespace {
 
 using glm::dvec3;
 
-constexpr double kOnePlaneCosine = 0.999; // of normals of faces in one plane
 constexpr uint32_t kNone = UINT32_MAX;    // body of what welding leaves nothing of
 
 // Whether a convex face is on both sides of the other's plane, and the line there runs on the other one or

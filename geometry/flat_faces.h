@@ -12,6 +12,8 @@
 
 namespace heliodon::geometry {
 
+constexpr double kOnePlaneCosine = 0.999; // of normals of faces in one plane
+
 struct FlatFace {
     uint32_t face = 0, surface = 0; // of the building, and what that says of it
     glm::dvec3 origin{0}, normal{0};

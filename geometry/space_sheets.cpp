@@ -15,6 +15,7 @@
 
 #include "geometry/box_tree.h"
 #include "geometry/disjoint_sets.h"
+#include "geometry/flat_faces.h"
 #include "geometry/key_hash.h"
 #include "geometry/outline_area.h"
 #include "geometry/perpendicular.h"
@@ -28,7 +29,6 @@ namespace {
 
 using glm::dvec3;
 
-constexpr double kOnePlaneCosine = 0.999; // of normals of faces in one plane
 // Cells of directions, along an axis: how wide, and of that how far normals in a cell's neighbours may be
 // off; with the widest those of that cosine are.
 constexpr std::array kCells{0.1, 0.03, 0.01, 0.003};

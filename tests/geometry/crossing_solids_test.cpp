@@ -146,7 +146,7 @@ TEST(CrossingSolids, walls_are_cut_once_along_ends_that_rounding_has_turned) {
     add({{9, 0, 0}, {9, 1, 0}, {9, 0, 1}});
     faces.back().material = 1; // glass somewhere
     const auto united = uniteSolids(
-        faces, [](uint32_t material) { return material == 1; }, 2e-5);
+        faces, [](uint32_t material) { return material == 1; }, Solids::thatCross, 2e-5);
     ASSERT_TRUE(united);
     for (const SoupFace& face : united->faces)
         if (const auto& loop = face.loops[0]; std::ranges::all_of(loop, [](dvec3 p) { return p.x == 0; }))
@@ -173,10 +173,23 @@ TEST(CrossingSolids, walls_whose_heights_differ_by_less_than_a_millimetre) {
         inTriangles({-1, -1, 0}, {0.1, 1, 0.1});   // runs into the first
         add({{9, 0, 0}, {9, 1, 0}, {9, 0, 1}}, 1); // glass somewhere
         const auto united = uniteSolids(
-            faces, [](uint32_t material) { return material == 1; }, 2e-5);
+            faces, [](uint32_t material) { return material == 1; }, Solids::thatMeet, 2e-5);
         ASSERT_TRUE(united);
         EXPECT_EQ(united->solids, 3u) << lower;
     }
+}
+
+// The walls that it is let into close without it: it was dropped as what stands outside, and sunlight went
+// on.
+TEST(CrossingSolids, a_partition_let_into_walls_divides_the_room) {
+    std::vector<Box> boxes = walls(0);
+    boxes.push_back({{-0.1, -0.1, 2.5}, {4.1, 2.6, 2.6}});
+    Drawing drawing(false);
+    for (const Box& one : boxes) box(drawing, one, 0);
+    pane(drawing, 0);
+    const Building building = drawing.read();
+    EXPECT_EQ(building.roomCount, 2u);
+    EXPECT_NEAR(volume(meshBuilding(building, {300})), 50 + kNiche - 1, 1e-4);
 }
 
 // A slab of glass let into walls that touch: the insides of the walls came out as rooms, the slab as two
