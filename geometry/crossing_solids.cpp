@@ -14,6 +14,7 @@
 #include "geometry/disjoint_sets.h"
 #include "geometry/face_crossing.h"
 #include "geometry/flat_faces.h"
+#include "geometry/ground_in_rooms.h"
 #include "geometry/outline_area.h"
 #include "geometry/shell_faces.h"
 #include "geometry/triangle_rays.h"
@@ -24,7 +25,8 @@ namespace {
 
 using glm::dvec3;
 
-constexpr uint32_t kNone = UINT32_MAX;    // body of what welding leaves nothing of
+constexpr double kLeastOfGround = 0.25; // of the model, from above
+constexpr uint32_t kNone = UINT32_MAX;  // body of what welding leaves nothing of
 
 // Whether a convex face is on both sides of the other's plane, and the line there runs on the other one or
 // its border.
@@ -91,11 +93,11 @@ class SolidUniter {
 public:
     SolidUniter(const std::vector<SoupFace>& faces, const std::function<bool(uint32_t)>& isGlass,
                 double tolerance)
-        : given_(faces), tolerance_(tolerance) {
+        : given_(faces), isGlass_(isGlass), tolerance_(tolerance) {
         std::vector<SoupFace> numbered = faces;
         for (uint32_t k = 0; k < numbered.size(); ++k) numbered[k].surface = k;
         faces_ = flatFacesOf(unwelded(numbered));
-        findBodies(weldFaces(numbered, 1, tolerance, true), isGlass);
+        findBodies(weldFaces(numbered, 1, tolerance, true));
         for (const FlatFace& face : faces_)
             boxes_.push_back({face.box.low - tolerance, face.box.high + tolerance});
         tree_.emplace(boxes_);
@@ -177,14 +179,14 @@ private:
         return sets;
     }
 
-    void findBodies(const Building& welded, const std::function<bool(uint32_t)>& isGlass) {
+    void findBodies(const Building& welded) {
         DisjointSets sets = hangingTogether(welded);
         std::map<uint32_t, Body> bodies; // by root
         std::vector<uint32_t> bodyOf(given_.size(), kNone);
         for (const Face& face : welded.faces) {
             const uint32_t root = sets.root(static_cast<uint32_t>(&face - welded.faces.data()));
             bodyOf[face.surface] = root;
-            if (isGlass(face.material)) bodies[root].hasGlass = hasGlass_ = true;
+            if (isGlass_(face.material)) bodies[root].hasGlass = hasGlass_ = true;
         }
         std::map<std::pair<uint32_t, Edge>, std::pair<int, int>>
             runs; // of a body along an edge: all, and net
@@ -228,6 +230,38 @@ private:
         }
         for (uint32_t& body : body_)
             if (const auto cavity = cavityOf.find(body); cavity != cavityOf.end()) body = cavity->second;
+        leaveOutGround();
+    }
+
+    // The air of rooms is often drawn into it: what is much larger than what hangs together with glass.
+    void leaveOutGround() {
+        std::map<uint32_t, Bounds> solids;
+        std::vector<Bounds> house; // parts of it, of which those from `next` on have yet to look about
+        for (size_t k = 0; k < faces_.size(); ++k) {
+            const Bounds& box = faces_[k].box;
+            if (isGlass_(given_[faces_[k].surface].material)) house.push_back(box);
+            if (!solids_.contains(body_[k])) continue;
+            Bounds& whole = solids.try_emplace(body_[k], box).first->second;
+            whole = {glm::min(whole.low, box.low), glm::max(whole.high, box.high)};
+        }
+        const double whole = areaFromAbove(boundsOfFaces(faces_));
+        for (const auto& [body, ground] : solids) {
+            if (areaFromAbove(ground) < kLeastOfGround * whole) continue;
+            std::map<uint32_t, Bounds> others = solids;
+            others.erase(body);
+            std::vector<Bounds> parts = house;
+            for (size_t next = 0; next < parts.size(); ++next)
+                std::erase_if(others, [&](const auto& other) {
+                    const bool touches = other.second.isNear(parts[next], tolerance_);
+                    if (touches) parts.push_back(other.second);
+                    return touches;
+                });
+            Bounds all = ground;
+            if (!parts.empty()) all = parts[0];
+            for (const Bounds& part : parts)
+                all = {glm::min(all.low, part.low), glm::max(all.high, part.high)};
+            if (isMuchLarger(ground, all)) solids_.erase(body);
+        }
     }
 
     void findMeeting(Solids which, UnitedSolids& out) {
@@ -292,6 +326,7 @@ private:
     }
 
     const std::vector<SoupFace>& given_;
+    const std::function<bool(uint32_t)>& isGlass_;
     double tolerance_;
     std::vector<FlatFace> faces_; // surface: the number among those given
     std::vector<uint32_t> body_;  // per flat face
