@@ -233,34 +233,36 @@ private:
         leaveOutGround();
     }
 
-    // The air of rooms is often drawn into it: what is much larger than what hangs together with glass.
+    // The air of rooms is often drawn into it: what is much larger than the largest of all else that hangs
+    // together.
     void leaveOutGround() {
         std::map<uint32_t, Bounds> solids;
-        std::vector<Bounds> house; // parts of it, of which those from `next` on have yet to look about
         for (size_t k = 0; k < faces_.size(); ++k) {
-            const Bounds& box = faces_[k].box;
-            if (isGlass_(given_[faces_[k].surface].material)) house.push_back(box);
             if (!solids_.contains(body_[k])) continue;
+            const Bounds& box = faces_[k].box;
             Bounds& whole = solids.try_emplace(body_[k], box).first->second;
             whole = {glm::min(whole.low, box.low), glm::max(whole.high, box.high)};
         }
-        const double whole = areaFromAbove(boundsOfFaces(faces_));
+        const double all = faces_.empty() ? 0 : areaFromAbove(boundsOfFaces(faces_));
         for (const auto& [body, ground] : solids) {
-            if (areaFromAbove(ground) < kLeastOfGround * whole) continue;
+            if (areaFromAbove(ground) < kLeastOfGround * all) continue;
             std::map<uint32_t, Bounds> others = solids;
             others.erase(body);
-            std::vector<Bounds> parts = house;
-            for (size_t next = 0; next < parts.size(); ++next)
-                std::erase_if(others, [&](const auto& other) {
-                    const bool touches = other.second.isNear(parts[next], tolerance_);
-                    if (touches) parts.push_back(other.second);
+            Bounds largest{dvec3(0), dvec3(0)};
+            while (!others.empty()) {
+                Bounds whole = others.begin()->second;
+                others.erase(others.begin());
+                while (std::erase_if(others, [&](const auto& other) {
+                    const bool touches = other.second.isNear(whole, tolerance_);
+                    if (touches)
+                        whole = {glm::min(whole.low, other.second.low),
+                                 glm::max(whole.high, other.second.high)};
                     return touches;
-                });
-            Bounds all = ground;
-            if (!parts.empty()) all = parts[0];
-            for (const Bounds& part : parts)
-                all = {glm::min(all.low, part.low), glm::max(all.high, part.high)};
-            if (isMuchLarger(ground, all)) solids_.erase(body);
+                })) {
+                }
+                if (areaFromAbove(whole) > areaFromAbove(largest)) largest = whole;
+            }
+            if (solids.size() > 1 && isMuchLarger(ground, largest)) solids_.erase(body);
         }
     }
 
