@@ -2,11 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <numbers>
 
 #include <glm/geometric.hpp>
 
 #include "geometry/bounds.h"
 #include "geometry/clip_polygon.h"
+#include "geometry/perpendicular.h"
 
 namespace heliodon::compute {
 
@@ -44,19 +47,6 @@ bool isPartBefore(std::span<const dvec3> corners, dvec3 at, dvec3 normal, double
     return std::ranges::any_of(corners, [&](const dvec3& p) { return glm::dot(p - at, normal) > tolerance; });
 }
 
-// Whether the line from `a` to `b` crosses the region between them.
-bool isCrossed(const ConvexRegion& region, dvec3 normal, dvec3 a, dvec3 b, double tolerance) {
-    const double before = glm::dot(a - region.corners[0], normal),
-                 behind = glm::dot(b - region.corners[0], normal);
-    if (std::min(std::abs(before), std::abs(behind)) <= tolerance || before * behind > 0) return false;
-    const dvec3 p = a + before / (before - behind) * (b - a);
-    for (size_t k = 0; k < region.corners.size(); ++k) {
-        const dvec3 c = region.corners[k], d = region.corners[(k + 1) % region.corners.size()];
-        if (glm::dot(glm::cross(d - c, p - c), normal) < 0) return false;
-    }
-    return true;
-}
-
 // Its middle, and towards its corners from there.
 std::vector<dvec3> pointsOn(const ConvexRegion& region) {
     constexpr double kTowards = 0.7; // that round about half of the area
@@ -67,6 +57,29 @@ std::vector<dvec3> pointsOn(const ConvexRegion& region) {
     return points;
 }
 
+// `many` directions about a unit normal, as dense as the light that an even world sends: on a Fibonacci
+// spiral.
+std::vector<dvec3> raysAbout(dvec3 normal, size_t many) {
+    const dvec3 u = geometry::perpendicular(normal), v = glm::cross(normal, u);
+    std::vector<dvec3> rays;
+    for (size_t k = 0; k < many; ++k) {
+        const double radius2 = (static_cast<double>(k) + 0.5) / static_cast<double>(many),
+                     round = 2 * std::numbers::pi * std::numbers::phi * static_cast<double>(k);
+        rays.push_back(std::sqrt(radius2) * (std::cos(round) * u + std::sin(round) * v) +
+                       std::sqrt(1 - radius2) * normal);
+    }
+    return rays;
+}
+
+std::vector<geometry::Bounds> boxesOf(std::span<const ConvexRegion> regions, double margin) {
+    std::vector<geometry::Bounds> boxes;
+    for (const ConvexRegion& region : regions) {
+        const geometry::Bounds box = geometry::boundsOf(region.corners);
+        boxes.push_back({box.low - margin, box.high + margin});
+    }
+    return boxes;
+}
+
 } // namespace
 
 OuterSides outerSides(const geometry::PatchMesh& mesh) {
@@ -75,13 +88,16 @@ OuterSides outerSides(const geometry::PatchMesh& mesh) {
     const std::vector<ConvexRegion> inside =
         mergedRegions(mesh, std::vector<uint32_t>(mesh.patchCount(), 0), kMostCorners);
     const double size = geometry::boundsOf(mesh.vertices).diagonal();
+    const std::vector<geometry::Bounds> boxes = boxesOf(inside, kSamePlane * size);
     geometry::PatchMesh outer;
-    for (const ConvexRegion& whole : inside) {
+    for (size_t k = 0; k < inside.size(); ++k) {
+        const ConvexRegion& whole = inside[k];
         const dvec3 normal = normalOf(whole);
         const double least = 1e-9 * areaOf(whole.corners);
         std::vector<Polygon> parts{{whole.corners.rbegin(), whole.corners.rend()}}, rest;
-        for (const ConvexRegion& other : inside) {
-            if (&other == &whole || glm::dot(normalOf(other), normal) > 0 ||
+        for (size_t m = 0; m < inside.size(); ++m) {
+            const ConvexRegion& other = inside[m];
+            if (m == k || !boxes[m].isNear(boxes[k], 0) || glm::dot(normalOf(other), normal) > 0 ||
                 !inPlaneOf(whole, other, kSamePlane * size))
                 continue;
             rest.clear();
@@ -132,32 +148,45 @@ std::vector<MaterialShare> materialsOn(std::span<const dvec3> polygon,
     return shares;
 }
 
-BackView::BackView(const ConvexRegion& lining, std::span<const ConvexRegion> regions,
-                   std::span<const dvec3> normals, double tolerance)
-    : back_(lining), regions_(regions), normals_(normals), tolerance_(tolerance) {
-    std::ranges::reverse(back_.corners);
+OutsideRays::OutsideRays(std::span<const ConvexRegion> regions, double tolerance)
+    : regions_(regions), boxes_(boxesOf(regions, tolerance)), tree_(boxes_), tolerance_(tolerance) {
+    for (const ConvexRegion& region : regions) normals_.push_back(normalOf(region));
 }
 
-bool BackView::isOpen(dvec3 a, dvec3 b) {
-    const auto crosses = [&](size_t k) { return isCrossed(regions_[k], normals_[k], a, b, tolerance_); };
-    if (last_ < regions_.size() && crosses(last_)) return false;
-    for (size_t k = 0; k < regions_.size(); ++k)
-        if (crosses(k)) {
-            last_ = k;
-            return false;
-        }
-    return true;
-}
-
-bool BackView::sees(const ConvexRegion& other) {
-    if (!lookAtOneAnother(back_, other, tolerance_)) return false;
-    const dvec3 here = normalOf(back_), there = normalOf(other);
-    const std::vector<dvec3> points = pointsOn(back_), targets = pointsOn(other);
-    return std::ranges::any_of(points, [&](const dvec3& a) {
-        return std::ranges::any_of(targets, [&](const dvec3& b) {
-            return glm::dot(b - a, here) > tolerance_ && glm::dot(a - b, there) > tolerance_ && isOpen(a, b);
-        });
+size_t OutsideRays::frontMet(dvec3 from, dvec3 way) const {
+    double nearest = std::numeric_limits<double>::infinity();
+    size_t met = SIZE_MAX;
+    tree_.anyAlong(from, way, nearest, [&](uint32_t k) {
+        const std::vector<dvec3>& corners = regions_[k].corners;
+        const double towards = glm::dot(way, normals_[k]),
+                     along = glm::dot(corners[0] - from, normals_[k]) / towards;
+        if (!(along > 0 && along < nearest)) return false;
+        const dvec3 p = from + along * way;
+        for (size_t c = 0; c < corners.size(); ++c)
+            if (glm::dot(glm::cross(corners[(c + 1) % corners.size()] - corners[c], p - corners[c]),
+                         normals_[k]) < 0)
+                return false;
+        nearest = along, met = towards < 0 ? k : SIZE_MAX;
+        return false;
     });
+    return met;
+}
+
+std::vector<bool> OutsideRays::seenFrom(std::span<const ConvexRegion> those) const {
+    constexpr size_t kMostRays = 200'000, kRays = 128, kLeastRays = 8; // the latter of each point
+    size_t points = 0;
+    for (const ConvexRegion& one : those) points += 1 + one.corners.size();
+    const size_t rays = std::clamp(kMostRays / std::max<size_t>(points, 1), kLeastRays, kRays);
+    std::vector<bool> seen(regions_.size(), false);
+    for (const ConvexRegion& one : those) {
+        const dvec3 normal = normalOf(one);
+        const std::vector<dvec3> ways = raysAbout(normal, rays);
+        for (const dvec3& point : pointsOn(one))
+            for (const dvec3& way : ways)
+                if (const size_t met = frontMet(point + tolerance_ * normal, way); met != SIZE_MAX)
+                    seen[met] = true;
+    }
+    return seen;
 }
 
 bool inPlaneOf(const ConvexRegion& region, const ConvexRegion& other, double tolerance) {

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -11,6 +12,7 @@
 
 #include "compute/convex_regions.h"
 #include "compute/outer_sides.h"
+#include "compute/outside_plans.h"
 #include "geometry/patch_mesh.h"
 
 namespace heliodon::compute {
@@ -47,14 +49,21 @@ public:
 
     std::span<const ConvexRegion> regions() const { return regions_; }
     std::span<const OutsideCell> cells() const { return cells_; }
-    // Takes all for black: they are too many (PointScene).
-    void blacken();
+    // Takes what stands outside for black, as it is too many (PointScene); of the same mesh and openings.
+    void blackenStanding(const geometry::PatchMesh& mesh, std::span<const ConvexRegion> openings);
     bool tooMany() const { return tooMany_; }
     bool reflects(size_t region) const { return roots_[region] != kNone; }
     bool isOfRooms(size_t region) const { return region >= standing_; }
     bool hasOuterSides() const { return regions_.size() > standing_; }
     // Of a region that reflects, the cell that a point of it lies in.
     uint32_t cellAt(size_t region, glm::dvec3 point) const;
+    // work(cell, part) for the parts of a convex polygon on it, relative to a point, in its cells; what spans
+    // less than `angle` (radians) from there is one part, of the cell that its middle lies in.
+    using PartWork = std::function<void(uint32_t cell, std::span<const glm::dvec3> part)>;
+    void forParts(size_t region, glm::dvec3 from, std::vector<glm::dvec3> polygon, double angle,
+                  const PartWork& work) const {
+        forParts(nodes_[roots_[region]], from, std::move(polygon), angle, work);
+    }
 
 private:
     static constexpr uint32_t kNone = UINT32_MAX;
@@ -64,14 +73,16 @@ private:
         std::array<uint32_t, 2> child{}; // before the cut, and beyond it
         uint32_t cell = kNone;           // of a leaf
     };
-    struct Plan; // of a region's cells
-    std::vector<Plan> plansOf(const geometry::PatchMesh& mesh, std::span<const ConvexRegion> openings,
-                              std::span<const ConvexRegion> linings) const;
-    void cutAll(std::span<const Plan> plans, double coarser);
-    uint32_t cut(std::vector<glm::dvec3> polygon, const Plan& plan, double coarser);
+    void forParts(const Node& node, glm::dvec3 from, std::vector<glm::dvec3> polygon, double angle,
+                  const PartWork& work) const;
+    uint32_t cellBelow(const Node& node, glm::dvec3 point) const;
+    void cutAll(const geometry::PatchMesh& mesh, std::span<const ConvexRegion> openings);
+    void cutAll(std::span<const OutsidePlan> plans, double coarser);
+    uint32_t cut(std::vector<glm::dvec3> polygon, const OutsidePlan& plan, double coarser);
 
     std::vector<ConvexRegion> regions_;
     size_t standing_ = 0; // the first of the regions
+    std::vector<ConvexRegion> linings_;
     bool tooMany_ = false;
     std::vector<uint32_t> roots_; // of regions, in nodes_; kNone of black ones
     std::vector<Node> nodes_;

@@ -21,7 +21,7 @@ using glm::dvec3;
 
 namespace {
 
-constexpr double kSkyAngle = 0.15, kCellAngle = 0.1; // radians, of one sample
+constexpr double kSkyAngle = 0.15, kCellAngle = 0.1; // radians, of one piece
 constexpr double kSettled = 1e-5;                    // change of light, over the most of any cell
 constexpr int kMostRounds = 200;
 
@@ -100,16 +100,18 @@ public:
     std::vector<OutsideShare> others() const {
         std::vector<OutsideShare> seen;
         std::vector<PointView::Polygon> parts;
+        const PointView::Hiding hiding = view_.hidingBehind(hiding_);
         for (const auto& [region, part] : around_.others) {
             const ConvexRegion& whole = cells_.regions()[region];
             if (glm::dot(view_.position() - whole.corners[0], normalOf(whole)) <= least_) continue;
             if (view_.factor(part, parts) <= 0) continue;
-            view_.hideBehind(hiding_, parts);
+            view_.hideBehind(hiding, parts);
             for (const PointView::Polygon& seenPart : parts)
-                forSamples(view_, seenPart, kCellAngle, [&, at = region](dvec3 centre, double factor) {
-                    seen.push_back({cells_.cellAt(at, view_.position() + centre),
-                                    glm::vec3(static_cast<float>(factor))});
-                });
+                cells_.forParts(region, view_.position(), seenPart, kCellAngle,
+                                [&](uint32_t cell, std::span<const dvec3> of) {
+                                    const auto factor = static_cast<float>(view_.unhinderedFactor(of));
+                                    seen.push_back({cell, glm::vec3(factor)});
+                                });
         }
         mergeShares(seen);
         return seen;
@@ -169,12 +171,15 @@ bool OutsideReflection::isGrey() const {
 }
 
 std::string OutsideReflection::inWords() const {
-    const std::string what = "what stands outside: ";
+    const std::string what = "what stands outside: ",
+                      crowd = "so many surfaces before a window that they are taken for black";
+    if (!isEmpty() && cells_->tooMany())
+        return what + crowd +
+               fmt::format("; reflected light of {} cells of the rooms' outer sides", cells().size());
     if (!isEmpty()) return what + fmt::format("reflected light of {} cells", cells().size());
     if (mesh_->outside.triangles.empty() && !cells_->hasOuterSides()) return what + "nothing";
     if (mesh_->outside.triangles.empty()) return what + "nothing that reflects";
-    if (!cells_->tooMany()) return what + "black, reflects nothing";
-    return what + "so many surfaces before a window that they are taken for black";
+    return what + (cells_->tooMany() ? crowd : "black, reflects nothing");
 }
 
 std::vector<float> OutsideReflection::skyLight(std::span<const double> luminances) const {

@@ -147,18 +147,17 @@ PointScene::PointScene(const geometry::PatchMesh& mesh) : mesh_(&mesh), blockers
         const dvec3 normal = normalOf(region);
         panes_.push_back({std::move(region), &windows_[material], normal, room});
     }
-    std::vector<ConvexRegion> openings = mergedRegions(mesh, opening, 16);
+    const std::vector<ConvexRegion> openings = mergedRegions(mesh, opening, 16);
     const std::vector<ConvexRegion> walls = mergedRegions(mesh, wall, 16);
     outside_ = OutsideCells(mesh, openings, walls);
-    findOpenings(std::move(openings), walls);
+    findOpenings(openings, walls);
+    blackenCrowds(openings);
 }
 
-void PointScene::findOpenings(std::vector<ConvexRegion> openings, const std::vector<ConvexRegion>& walls) {
+void PointScene::findOpenings(const std::vector<ConvexRegion>& openings,
+                              const std::vector<ConvexRegion>& walls) {
     const double samePlane = kSamePlane * geometry::boundsOf(mesh_->vertices).diagonal();
-    for (ConvexRegion& region : openings) {
-        const dvec3 normal = normalOf(region);
-        openings_.push_back({std::move(region), normal, {}, {}, {}});
-    }
+    for (const ConvexRegion& region : openings) openings_.push_back({region, normalOf(region), {}, {}, {}});
     const auto outsideOf = [&](const Opening& opening, std::span<const dvec3> corners) {
         PointView::Polygon part;
         behind(corners, opening.region.corners[0], opening.normal, samePlane, part);
@@ -207,12 +206,20 @@ void PointScene::findOpenings(std::vector<ConvexRegion> openings, const std::vec
         }
         seesOthers_ |= !from.facing.empty();
     }
+}
+
+void PointScene::blackenCrowds(const std::vector<ConvexRegion>& openings) {
     double pairs = 0;
-    for (const Opening& opening : openings_)
-        pairs += static_cast<double>(opening.walls.size()) * static_cast<double>(opening.walls.size());
+    for (const Opening& opening : openings_) {
+        const auto standing = static_cast<double>(std::ranges::count_if(
+            opening.walls, [&](const Opening::Wall& wall) { return !outside_.isOfRooms(wall.region); }));
+        pairs += standing * standing;
+    }
     if (pairs <= kMostPairs) return;
-    outside_.blacken();
-    for (Opening& opening : openings_) opening.walls.clear();
+    outside_.blackenStanding(*mesh_, openings);
+    for (Opening& opening : openings_)
+        std::erase_if(opening.walls,
+                      [&](const Opening::Wall& wall) { return !outside_.reflects(wall.region); });
 }
 
 std::vector<PointView> PointScene::framesOf(const PointView& view,
@@ -353,11 +360,13 @@ void PointScene::outsideOf(const PointView& view, const RoomBeyond& beyond, cons
         const GlassBefore glass{&pane, opening.normal, &beyond, grey};
         for (const PointView::Polygon& part : parts) work(part, glass);
         if (!byWall) continue;
+        std::optional<PointView::Hiding> before;
         for (const auto& [region, wall] : opening.walls) {
             if (!isBefore(view.position(), region)) continue;
             for (const PointView& frame : framed) {
                 if (!frame.mayShow(wall) || frame.factor(wall, parts) <= 0) continue;
-                view.hideBehind(hiding, parts);
+                if (!before) before = view.hidingBehind(hiding);
+                view.hideBehind(*before, parts);
                 for (const PointView::Polygon& part : parts) byWall(part, region, glass);
             }
         }
@@ -430,10 +439,11 @@ void PointScene::seeWallsBefore(uint32_t patch, double angle, const CellWork& wo
     const PointView view(blockers_, middle, outwards);
     std::vector<const PointView::Polygon*> hiding;
     for (const PointView::Polygon& polygon : own->hiddenBy) hiding.push_back(&polygon);
+    const PointView::Hiding before = view.hidingBehind(hiding);
     std::vector<PointView::Polygon> parts;
     for (const auto& [region, wall] : own->walls) {
         if (!isBefore(middle, region) || view.factor(wall, parts) <= 0) continue;
-        view.hideBehind(hiding, parts);
+        view.hideBehind(before, parts);
         for (const PointView::Polygon& part : parts)
             forSamples(view, part, angle, [&, at = region](dvec3 centre, double factor) {
                 work(outside_.cellAt(at, middle + centre), glm::normalize(centre), factor);

@@ -146,7 +146,8 @@ private:
         uint32_t roomBeyond;
     };
     const daylight::Window& window(const Opening& opening) const { return windows_[opening.region.group]; }
-    void findOpenings(std::vector<ConvexRegion> openings, const std::vector<ConvexRegion>& walls);
+    void findOpenings(const std::vector<ConvexRegion>& openings, const std::vector<ConvexRegion>& walls);
+    void blackenCrowds(const std::vector<ConvexRegion>& openings);
     void forRoomsSeen(const PointView& view, const RoomBeyond& here, const RoomWork& work) const;
     std::vector<PointView> framesOf(const PointView& view, std::span<const PointView::Polygon> parts) const;
     static bool anyShows(std::span<const PointView> frames, std::span<const glm::dvec3> polygon);

@@ -270,10 +270,16 @@ void PointView::hideBeyond(std::span<const Polygon* const> polygons, std::vector
     keepLit(cones, parts);
 }
 
-void PointView::hideBehind(std::span<const Polygon* const> polygons, std::vector<Polygon>& parts) const {
-    std::vector<Cone> cones = conesOf(polygons);
-    for (Cone& cone : cones) cone.beyond = cone.distance + kSameOverLeast * least_; // walls have two sides
-    keepLit(cones, parts);
+PointView::Hiding PointView::hidingBehind(std::span<const Polygon* const> polygons) const {
+    Hiding hiding;
+    hiding.cones_ = conesOf(polygons);
+    for (Cone& cone : hiding.cones_)
+        cone.beyond = cone.distance + kSameOverLeast * least_; // walls have two sides
+    return hiding;
+}
+
+void PointView::hideBehind(const Hiding& hiding, std::vector<Polygon>& parts) const {
+    keepLit(hiding.cones_, parts);
 }
 
 // Nothing where the cone's planes only touch the part.

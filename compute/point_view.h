@@ -81,8 +81,11 @@ public:
 
     // Takes from parts what polygons (world) hide that stand beyond all of them, as outside of a window.
     void hideBeyond(std::span<const Polygon* const> polygons, std::vector<Polygon>& parts) const;
-    // The same of parts of what stands among the polygons: each hides what lies behind it.
-    void hideBehind(std::span<const Polygon* const> polygons, std::vector<Polygon>& parts) const;
+    // The same of parts of what stands among the polygons: each hides what lies behind it. Those as this
+    // point sees them are made once for all parts.
+    class Hiding;
+    Hiding hidingBehind(std::span<const Polygon* const> polygons) const;
+    void hideBehind(const Hiding& hiding, std::vector<Polygon>& parts) const;
 
     glm::dvec3 position() const { return position_; }
     glm::dvec3 normal() const { return normal_; }
@@ -121,6 +124,11 @@ private:
         double inWorld;    // the same from the world's origin
     };
     std::vector<Side> frame_; // planes that bound what is seen; none: everything
+    std::vector<Cone> cones_;
+};
+
+class PointView::Hiding {
+    friend class PointView;
     std::vector<Cone> cones_;
 };
 

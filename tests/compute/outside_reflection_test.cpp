@@ -180,6 +180,29 @@ geometry::PatchMesh courtOfRooms(float reflectance, double height = 6) {
     return mesh;
 }
 
+// A crowd of leaves does not blacken the rooms' own outer sides, and many of these are no crowd.
+TEST(OutsideReflection, own_outer_sides_are_no_crowd) {
+    geometry::PatchMesh mesh = test::roomWithWindow(1);
+    const auto behind = [](int k) { return dvec3(0.2 * (k % 20), 0.2 * (k / 20), -4 - 0.01 * k); };
+    for (uint32_t k = 0; k < 200; ++k) {
+        const dvec3 p = behind(static_cast<int>(k));
+        test::addBox(mesh, {.low = p, .high = p + dvec3(0.15, 0.15, 0.005), .cells = {1, 1, 1}}, k + 1);
+    }
+    const PointScene rooms(mesh);
+    EXPECT_FALSE(rooms.outside().tooMany());
+    const size_t own = rooms.outside().cells().size();
+    EXPECT_GT(own, 180u);
+    for (int k = 0; k < 200; ++k) {
+        const dvec3 p = behind(k) + dvec3(0, 0, 1);
+        test::wallOutside(mesh, {p.x + 0.02, p.z}, {p.x, p.z}, p.y, p.y + 0.02, 0.5f);
+    }
+    const PointScene leaves(mesh);
+    EXPECT_TRUE(leaves.outside().tooMany());
+    EXPECT_GT(leaves.outside().cells().size(), own / 2);
+    for (const OutsideCell& cell : leaves.outside().cells())
+        EXPECT_TRUE(leaves.outside().isOfRooms(cell.region));
+}
+
 TEST(OutsideReflection, outer_sides_of_rooms_have_the_light_of_traced_paths) {
     const geometry::PatchMesh mesh = courtOfRooms(0.7F);
     const std::vector<Sensor> sensors{
