@@ -133,14 +133,20 @@ std::unique_ptr<compute::DaylightTransport> makeTransport(Run& run, gpu::Device&
                 "material {}: no pane of refractive index {:.3g} passes more than {:.3f}; taken for "
                 "one that does not absorb",
                 m.name, m.refractiveIndex, daylight::maximumTransmittance(m.refractiveIndex)));
-    const auto gives = [&](uint32_t m) {
-        return mesh.materials[m].isOpening() || mesh.materials[m].exitance != glm::vec3(0);
-    };
-    if (std::none_of(mesh.material.begin(), mesh.material.end(), gives))
+    if (!mayBeLit(mesh))
         run.warn(
             "there is no window, no skylight and nothing that emits light: everything is dark (in models, "
             "glass is what has a transmittance, Tf)");
     return transport;
+}
+
+bool mayBeLit(const geometry::PatchMesh& mesh) {
+    for (size_t i = 0; i < mesh.patchCount(); ++i) {
+        const geometry::Material& material = mesh.materials[mesh.material[i]];
+        if ((material.isOpening() && mesh.twin[i] == geometry::kNoTwin) || material.exitance != glm::vec3(0))
+            return true;
+    }
+    return false;
 }
 
 compute::Moment solveLight(Run& run, compute::DaylightTransport& transport, const daylight::Sky& sky,

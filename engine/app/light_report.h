@@ -25,6 +25,9 @@ void reportFormFactors(Run& run, size_t patches, const compute::FormFactorReport
 // A note, with what would take less, as FormFactorOptions::longWork.
 std::function<void(double secondsLeft)> noteOfLongWork(Run& run, const std::string& remedy);
 
+// Whether a window leads outside or anything emits light.
+bool mayBeLit(const geometry::PatchMesh& mesh);
+
 // Form factors with the sky coefficients of a mesh; fills `stages.formfactors` and `form_factors`. Notes long
 // work where the options tell nobody of it.
 std::unique_ptr<compute::DaylightTransport> makeTransport(Run& run, const geometry::PatchMesh& mesh,

@@ -325,7 +325,7 @@ Frames makeFrames(Run& run, const Scene& scene, const SkySource& source,
     return frames;
 }
 
-void reportFrames(Run& run, const Frames& frames, size_t kept, double white) {
+void reportFrames(Run& run, const Scene& scene, const Frames& frames, size_t kept, double white) {
     const size_t count = frames.milliseconds.size();
     run.report()["frames"] = frameTimes(frames.milliseconds);
     run.report()["frames"].update({{"count", kept + count},
@@ -335,8 +335,9 @@ void reportFrames(Run& run, const Frames& frames, size_t kept, double white) {
                                    {"white_lux", white}});
     if (kept > 0) run.skipped(fmt::format("{} frames: --resume, an earlier run has made them", kept));
     if (frames.dark > 0)
-        run.note(
-            fmt::format("{} of {} frames are dark: the sun is below the horizon", frames.dark, count));
+        run.note(fmt::format("{} of {} frames are dark: {}", frames.dark, count,
+                             mayBeLit(scene.mesh) ? "the sun is below the horizon"
+                                                  : "no window leads outside and nothing emits light"));
 }
 
 } // namespace
@@ -386,7 +387,7 @@ void execute(Run& run, const TimelapseArguments& arguments) {
         const StageTimer timer(run, "encode"); // what is left of it
         sink.close();
     }
-    reportFrames(run, frames, sink.kept(), white);
+    reportFrames(run, scene, frames, sink.kept(), white);
     if (stream.worstScatter())
         run.report()["scatter"] = scatterEntry(*stream.worstScatter(), scene.rig->surfaceReflectance);
 }

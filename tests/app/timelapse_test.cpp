@@ -172,6 +172,17 @@ TEST_F(Timelapse, polar_day_and_polar_night) {
     EXPECT_NE(report["skipped"].dump().find(" frames: sky and ground: dark"), std::string::npos);
 }
 
+TEST_F(Timelapse, dark_for_want_of_a_window) {
+    writeText(folder / "box.obj", "v 0 0 0\nv 4 0 0\nv 4 5 0\nv 0 5 0\nv 0 0 3\nv 4 0 3\nv 4 5 3\nv 0 5 3\n"
+                                  "f 1 2 3 4\nf 8 7 6 5\nf 5 6 2 1\nf 6 7 3 2\nf 7 8 4 3\nf 8 5 1 4\n");
+    const Outcome outcome = heliodon(
+        "timelapse " + in("box.obj") + " --up z --triangles 50 --site 48,11 --sky clear --view none " +
+        "--from 2026-06-21T11:00solar --to 2026-06-21T13:00solar --step PT1H -o " + in("box"));
+    EXPECT_EQ(outcome.exitCode, 0) << outcome.output;
+    EXPECT_NE(outcome.output.find("3 of 3 frames are dark: no window leads outside"), std::string::npos)
+        << outcome.output;
+}
+
 TEST_F(Timelapse, frames_of_the_same_light_are_what_each_alone_is) {
     writeText(folder / "sky.json", R"({"format": "vh-sky/1", "model": "cie_overcast",
         "zenith_luminance_cdm2": 5000, "ground": {"albedo": 0.2}})");
