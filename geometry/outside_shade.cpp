@@ -44,6 +44,11 @@ std::vector<Pane> panesOf(const Building& building) {
     return out;
 }
 
+struct Side {
+    std::vector<dvec3> corners;
+    dvec3 normal; // out of the room
+};
+
 struct Piece {
     Triangle corners;
     std::array<uint32_t, 3> at; // of the welded faces
@@ -67,9 +72,27 @@ std::optional<double> mattersFrom(const Piece& piece, const Pane& pane, bool ter
     return level ? pane.foot : kEverywhere;
 }
 
-bool lookAtOneAnother(const Piece& a, const Piece& b, double tolerance) {
+template<class A, class B> bool lookAtOneAnother(const A& a, const B& b, double tolerance) {
     return isPartBefore(a.corners, b.corners[0], b.normal, tolerance) &&
            isPartBefore(b.corners, a.corners[0], a.normal, tolerance);
+}
+
+// The outer sides of the rooms' walls that may send light into a window.
+std::vector<Side> sidesSeen(const Building& building, std::span<const Pane> panes, double tolerance) {
+    std::vector<Side> sides;
+    for (const Face& face : building.faces) {
+        if (building.materials[face.material].isOpening()) continue;
+        Side side;
+        for (const uint32_t v : face.loops[0]) side.corners.push_back(building.vertices[v]);
+        std::ranges::reverse(side.corners);
+        side.normal = glm::normalize(areaVector(side.corners));
+        if (std::ranges::any_of(panes, [&](const Pane& pane) {
+                return isPartBefore(side.corners, pane.corners[0], -pane.normal, tolerance) &&
+                       isPartBefore(pane.corners, side.corners[0], side.normal, tolerance);
+            }))
+            sides.push_back(std::move(side));
+    }
+    return sides;
 }
 
 class Shade {
@@ -123,11 +146,12 @@ Occluders outsideShade(std::span<const SoupFace> faces, const Building& building
         seen.push_back(piece);
         return true;
     });
-    if (!terrain)
-        for (const Piece& piece : others)
-            if (std::ranges::any_of(
-                    seen, [&](const Piece& other) { return lookAtOneAnother(piece, other, tolerance); }))
-                shade.add(piece);
+    if (terrain) return shade.done();
+    const std::vector<Side> sides = sidesSeen(building, panes, tolerance);
+    for (const Piece& piece : others) {
+        const auto looksAt = [&](const auto& other) { return lookAtOneAnother(piece, other, tolerance); };
+        if (std::ranges::any_of(seen, looksAt) || std::ranges::any_of(sides, looksAt)) shade.add(piece);
+    }
     return shade.done();
 }
 

@@ -89,6 +89,27 @@ TEST_F(ModelFile, what_stands_outside_is_no_patch) {
               "m.obj:heliodon_outside: ");
 }
 
+// A board over the room with the window is behind the glass, but shades the wall that the window looks at.
+TEST_F(ModelFile, what_shades_a_wall_before_a_window_stands_outside) {
+    write("m.mtl", "newmtl wall\nKd 0.5 0.5 0.5\nnewmtl glass\nKd 0 0 0\nTf 0.88 0.88 0.88\nNi 1.52\n");
+    const auto box = [](double x, const std::string& east) {
+        std::string text;
+        for (const double z : {0.0, 3.0})
+            for (const auto& [dx, y] : {std::pair{0, 0}, {4, 0}, {4, 5}, {0, 5}})
+                text +=
+                    "v " + std::to_string(x + dx) + " " + std::to_string(y) + " " + std::to_string(z) + "\n";
+        return text + "usemtl wall\nf -8 -7 -6 -5\nf -1 -2 -3 -4\nf -4 -3 -7 -8\nf -2 -1 -5 -6\n" +
+               "f -1 -4 -8 -5\nusemtl " + east + "\nf -3 -2 -6 -7\n";
+    };
+    const std::string board = "usemtl wall\nv 3 0 5\nv 3 5 5\nv 3 5 9\nv 3 0 9\n"
+                              "f -4 -3 -2 -1\n";
+    const auto outside = [&](const std::string& rooms) {
+        return importModel(write("m.obj", "mtllib m.mtl\n" + rooms + board), UpAxis::z).outside;
+    };
+    EXPECT_EQ(outside(box(0, "glass") + box(8, "wall")).material.size(), 2u);
+    EXPECT_TRUE(outside(box(0, "glass")).material.empty());
+}
+
 TEST_F(ModelFile, z_up_is_turned_so_that_up_is_y) {
     const PatchMesh mesh = readPatches(write("m.obj", kSquare + "f 1 2 3 4\n"), UpAxis::z);
     const glm::dvec3 normal = patchNormal(mesh, 0);
