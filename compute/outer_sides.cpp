@@ -173,7 +173,7 @@ size_t OutsideRays::frontMet(dvec3 from, dvec3 way) const {
 }
 
 std::vector<bool> OutsideRays::seenFrom(std::span<const ConvexRegion> those) const {
-    constexpr size_t kMostRays = 200'000, kRays = 128, kLeastRays = 8; // the latter of each point
+    constexpr size_t kMostRays = 200'000, kRays = 2048, kLeastRays = 16; // the latter of each point
     size_t points = 0;
     for (const ConvexRegion& one : those) points += 1 + one.corners.size();
     const size_t rays = std::clamp(kMostRays / std::max<size_t>(points, 1), kLeastRays, kRays);

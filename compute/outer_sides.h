@@ -33,15 +33,15 @@ struct MaterialShare {
 std::vector<MaterialShare> materialsOn(std::span<const glm::dvec3> polygon,
                                        std::span<const ConvexRegion* const> linings);
 
-// Which regions see which, by rays among them: what none of some hundred from each meets gives it less than a
-// hundredth of its light. The regions outlive this. Cost: about 1 us a ray.
+// Which regions see which, by rays among them: what none meets gives each about as little of its light as one
+// ray of all stands for. The regions outlive this. Cost: about 1 us a ray.
 class OutsideRays {
 public:
     OutsideRays(std::span<const ConvexRegion> regions, double tolerance);
     OutsideRays(const OutsideRays&) = delete;
     OutsideRays& operator=(const OutsideRays&) = delete;
-    // For each region, whether the front of one of these sees its front: by 128 rays from the middle of each
-    // and from beside its corners, by less where there would be more than 200,000, but eight.
+    // For each region, whether the front of one of these sees its front: by 2048 rays from the middle of each
+    // and from beside its corners, by fewer where there would be more than 200,000, but sixteen.
     std::vector<bool> seenFrom(std::span<const ConvexRegion> those) const;
 
 private:
