@@ -23,7 +23,7 @@ namespace heliodon::compute {
 
 class OutsideReflection {
 public:
-    // Nothing, at no cost, without cells; else about 0.3 ms of one core a cell. `scene` and its mesh outlive
+    // Nothing, at no cost, without cells; else 0.1 to 0.3 ms of one core a cell. `scene` and its mesh outlive
     // this; reflectances are read when light is asked for.
     OutsideReflection(const PointScene& scene, const daylight::SkyPatches& sky);
 
