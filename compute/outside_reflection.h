@@ -1,6 +1,6 @@
-// The externally reflected component of daylight: what stands outside of a building and the outer sides of its
-// rooms (PointScene::outside), in cells that sky, ground and sun light and that send light to one another and
-// into windows. Each cell is lit as its centre is, and by the sun as far as it is in it. All of them hide
+// The externally reflected component of daylight: what stands outside of a building and the outer sides of
+// its rooms (PointScene::outside), in cells that sky, ground and sun light and that send light to one another
+// and into windows. Each cell is lit as its centre is, and by the sun as far as it is in it. All of them hide
 // sky, ground and sun from it; glass sends it nothing. The ground is as in an open field.
 //   E = G L + sun + F M,  M = rho E
 // Hopkinson, Petherbridge, Longmore: Daylighting, 1966, chapter 5, has the name; there one luminance, a tenth
