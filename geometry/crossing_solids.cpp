@@ -6,7 +6,6 @@
 #include <cmath>
 #include <functional>
 #include <map>
-#include <memory>
 #include <set>
 #include <utility>
 
@@ -26,6 +25,7 @@ namespace {
 using glm::dvec3;
 
 constexpr double kLeastOfGround = 0.25; // of the model, from above
+constexpr size_t kMostSolids = 500;     // leaves in one another take the pieces' import minutes
 constexpr uint32_t kNone = UINT32_MAX;  // body of what welding leaves nothing of
 
 // Whether a convex face is on both sides of the other's plane, and the line there runs on the other one or
@@ -138,6 +138,21 @@ private:
         }
     };
 
+    class Solid {
+    public:
+        Solid(const std::vector<ShellTriangle>& triangles, double tolerance)
+            : box_{triangles[0].a, triangles[0].a}, rays_(triangles, tolerance) {
+            for (const ShellTriangle& t : triangles)
+                for (const dvec3 p : {t.a, t.b, t.c}) box_ = {glm::min(box_.low, p), glm::max(box_.high, p)};
+        }
+        const Bounds& box() const { return box_; }
+        bool enclose(dvec3 p) const { return box_.isNear({p, p}, 0) && rays_.enclose(p); }
+
+    private:
+        Bounds box_;
+        TriangleRays rays_;
+    };
+
     // What rounding puts on corners turns the triangles of a narrow side by 1e-4 and more, and cuts along
     // their planes part far from them: each takes the plane of the largest face that it touches and lies in.
     void straighten() {
@@ -212,21 +227,22 @@ private:
             return body.isClosed && !body.hasGlass && body.volume > 0;
         };
         for (const auto& [root, body] : bodies)
-            if (isSolid(body)) solids_[root] = std::make_unique<TriangleRays>(body.triangles, tolerance_);
+            if (isSolid(body)) solids_.try_emplace(root, body.triangles, tolerance_);
         std::map<uint32_t, uint32_t> cavityOf; // the least that is round it: a house with walls
         for (const auto& [root, body] : bodies) {
             if (!body.isClosed || body.volume >= 0) continue;
             uint32_t around = kNone;
-            for (const auto& [solid, rays] : solids_)
-                if (rays->enclose(body.triangles[0].middle()) &&
-                    (around == kNone || bodies[solid].volume < bodies[around].volume))
-                    around = solid;
+            for (const auto& [number, solid] : solids_)
+                if (solid.enclose(body.triangles[0].middle()) &&
+                    (around == kNone || bodies[number].volume < bodies[around].volume))
+                    around = number;
             if (around != kNone) cavityOf[root] = around;
         }
         for (const auto& [cavity, solid] : cavityOf) {
             auto& all = bodies[solid].triangles;
             all.insert(all.end(), bodies[cavity].triangles.begin(), bodies[cavity].triangles.end());
-            solids_[solid] = std::make_unique<TriangleRays>(all, tolerance_);
+            solids_.erase(solid);
+            solids_.try_emplace(solid, all, tolerance_);
         }
         for (uint32_t& body : body_)
             if (const auto cavity = cavityOf.find(body); cavity != cavityOf.end()) body = cavity->second;
@@ -237,12 +253,7 @@ private:
     // together.
     void leaveOutGround() {
         std::map<uint32_t, Bounds> solids;
-        for (size_t k = 0; k < faces_.size(); ++k) {
-            if (!solids_.contains(body_[k])) continue;
-            const Bounds& box = faces_[k].box;
-            Bounds& whole = solids.try_emplace(body_[k], box).first->second;
-            whole = {glm::min(whole.low, box.low), glm::max(whole.high, box.high)};
-        }
+        for (const auto& [body, solid] : solids_) solids[body] = solid.box();
         const double all = faces_.empty() ? 0 : areaFromAbove(boundsOfFaces(faces_));
         for (const auto& [body, ground] : solids) {
             if (areaFromAbove(ground) < kLeastOfGround * all) continue;
@@ -276,7 +287,7 @@ private:
                     meets_.insert(body_[k]), meets_.insert(body_[i]);
                     return true;
                 });
-        out.solids = static_cast<uint32_t>(meets_.size());
+        out.solids = meets_.size() <= kMostSolids ? static_cast<uint32_t>(meets_.size()) : 0;
     }
 
     // Whether `accepts(i)` says so of any face i of another solid near the piece.
@@ -322,7 +333,7 @@ private:
         const dvec3 middle = largestTriangle(piece).middle(), off = 2 * tolerance_ * piece.normal;
         return std::ranges::any_of(meets_, [&](uint32_t other) {
             if (other == body) return false;
-            const TriangleRays& solid = *solids_.at(other);
+            const Solid& solid = solids_.at(other);
             return solid.enclose(middle + off) || (other < body && solid.enclose(middle - off));
         });
     }
@@ -332,7 +343,7 @@ private:
     double tolerance_;
     std::vector<FlatFace> faces_; // surface: the number among those given
     std::vector<uint32_t> body_;  // per flat face
-    std::map<uint32_t, std::unique_ptr<TriangleRays>> solids_;
+    std::map<uint32_t, Solid> solids_;
     std::set<uint32_t> meets_; // bodies that meet others
     bool hasGlass_ = false;
     std::vector<Bounds> boxes_;

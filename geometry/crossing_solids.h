@@ -19,10 +19,10 @@ struct UnitedSolids {
 };
 
 // Of opaque closed bodies whose faces look out of them and that meet one another the surface of
-// their union, all else as it is. None where no two meet, or nothing has glass (`isGlass` of a material):
-// then they may be rooms. Where bodies share edges, faces near one another in the file (SoupFace::surface)
-// are one's. Corners are one within `tolerance` (metres). Cost: n log n, and faces times those of others that
-// they meet.
+// their union, all else as it is. None where no two meet, more than 500 do, or nothing has glass (`isGlass`
+// of a material): then they may be rooms. Where bodies share edges, faces near one another in the file
+// (SoupFace::surface) are one's. Corners are one within `tolerance` (metres). Cost: n log n, and faces times
+// those of others that they meet.
 std::optional<UnitedSolids> uniteSolids(const std::vector<SoupFace>& faces,
                                         const std::function<bool(uint32_t)>& isGlass, Solids which,
                                         double tolerance);
