@@ -9,6 +9,7 @@
 
 #include "geometry/bounds.h"
 #include "geometry/clip_polygon.h"
+#include "geometry/facing.h"
 #include "geometry/perpendicular.h"
 
 namespace heliodon::compute {
@@ -41,10 +42,6 @@ Polygon cutOut(Polygon polygon, std::span<const dvec3> hole, double least, std::
         polygon.swap(in);
     }
     return areaOf(polygon) > least ? polygon : Polygon{};
-}
-
-bool isPartBefore(std::span<const dvec3> corners, dvec3 at, dvec3 normal, double tolerance) {
-    return std::ranges::any_of(corners, [&](const dvec3& p) { return glm::dot(p - at, normal) > tolerance; });
 }
 
 // Its middle, and towards its corners from there.
@@ -122,8 +119,8 @@ bool anyWallBefore(std::span<const ConvexRegion> openings, std::span<const Conve
     for (const ConvexRegion& opening : openings) {
         const dvec3 outwards = -normalOf(opening);
         for (const ConvexRegion& wall : walls)
-            if (isPartBefore(wall.corners, opening.corners[0], outwards, tolerance) &&
-                isPartBefore(opening.corners, wall.corners[0], -normalOf(wall), tolerance))
+            if (geometry::lookAtOneAnother(wall.corners, -normalOf(wall), opening.corners, outwards,
+                                           tolerance))
                 return true;
     }
     return false;
@@ -198,8 +195,7 @@ bool inPlaneOf(const ConvexRegion& region, const ConvexRegion& other, double tol
 }
 
 bool lookAtOneAnother(const ConvexRegion& a, const ConvexRegion& b, double tolerance) {
-    return isPartBefore(a.corners, b.corners[0], normalOf(b), tolerance) &&
-           isPartBefore(b.corners, a.corners[0], normalOf(a), tolerance);
+    return geometry::lookAtOneAnother(a.corners, normalOf(a), b.corners, normalOf(b), tolerance);
 }
 
 } // namespace heliodon::compute

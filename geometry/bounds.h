@@ -33,4 +33,8 @@ inline Bounds boundsOf(std::span<const glm::dvec3> points) {
     return box;
 }
 
+inline Bounds united(const Bounds& a, const Bounds& b) {
+    return {glm::min(a.low, b.low), glm::max(a.high, b.high)};
+}
+
 } // namespace heliodon::geometry

@@ -12,8 +12,7 @@ BoxTree::BoxTree(std::span<const Bounds> boxes) : boxes_(boxes) {
 void BoxTree::arrange(size_t first, size_t end) {
     Bounds around = boxes_[order_[first].box];
     for (size_t i = first; i < end; ++i) {
-        const Bounds& box = boxes_[order_[i].box];
-        around = {glm::min(around.low, box.low), glm::max(around.high, box.high)};
+        around = united(around, boxes_[order_[i].box]);
     }
     const glm::dvec3 size = around.high - around.low;
     const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;

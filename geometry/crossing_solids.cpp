@@ -59,12 +59,13 @@ bool isCutBy(const FlatFace& convex, const FlatFace& other, double tolerance) {
     });
 }
 
-// As they are given, for welding puts corners of others into edges, which makes needles of triangles.
+// As they are given, each by its place, for welding puts corners of others into edges, which makes needles of
+// triangles.
 Building unwelded(const std::vector<SoupFace>& faces) {
     Building out;
     for (const SoupFace& given : faces) {
         Face& face = out.faces.emplace_back();
-        face.surface = given.surface;
+        face.surface = static_cast<uint32_t>(&given - faces.data());
         for (const auto& loop : given.loops) {
             face.loops.emplace_back();
             for (const dvec3 p : loop) {
@@ -94,10 +95,9 @@ public:
     SolidUniter(const std::vector<SoupFace>& faces, const std::function<bool(uint32_t)>& isGlass,
                 double tolerance)
         : given_(faces), isGlass_(isGlass), tolerance_(tolerance) {
-        std::vector<SoupFace> numbered = faces;
-        for (uint32_t k = 0; k < numbered.size(); ++k) numbered[k].surface = k;
-        faces_ = flatFacesOf(unwelded(numbered));
-        findBodies(weldFaces(numbered, 1, tolerance, true));
+        faces_ = flatFacesOf(unwelded(faces));
+        findBodies(weldedByNumber(faces, tolerance));
+        if (solids_.size() < 2) return; // nothing to meet
         for (const FlatFace& face : faces_)
             boxes_.push_back({face.box.low - tolerance, face.box.high + tolerance});
         tree_.emplace(boxes_);
@@ -105,6 +105,7 @@ public:
     }
 
     std::optional<UnitedSolids> unite(Solids which) {
+        if (solids_.size() < 2) return std::nullopt;
         UnitedSolids out;
         findMeeting(which, out);
         if (out.solids == 0) return std::nullopt;
@@ -143,7 +144,7 @@ private:
         Solid(const std::vector<ShellTriangle>& triangles, double tolerance)
             : box_{triangles[0].a, triangles[0].a}, rays_(triangles, tolerance) {
             for (const ShellTriangle& t : triangles)
-                for (const dvec3 p : {t.a, t.b, t.c}) box_ = {glm::min(box_.low, p), glm::max(box_.high, p)};
+                for (const dvec3 p : {t.a, t.b, t.c}) box_ = united(box_, {p, p});
         }
         const Bounds& box() const { return box_; }
         bool enclose(dvec3 p) const { return box_.isNear({p, p}, 0) && rays_.enclose(p); }
@@ -201,7 +202,7 @@ private:
         for (const Face& face : welded.faces) {
             const uint32_t root = sets.root(static_cast<uint32_t>(&face - welded.faces.data()));
             bodyOf[face.surface] = root;
-            if (isGlass_(face.material)) bodies[root].hasGlass = hasGlass_ = true;
+            if (isGlass_(face.material)) bodies[root].hasGlass = true;
         }
         std::map<std::pair<uint32_t, Edge>, std::pair<int, int>>
             runs; // of a body along an edge: all, and net
@@ -265,9 +266,7 @@ private:
                 others.erase(others.begin());
                 while (std::erase_if(others, [&](const auto& other) {
                     const bool touches = other.second.isNear(whole, tolerance_);
-                    if (touches)
-                        whole = {glm::min(whole.low, other.second.low),
-                                 glm::max(whole.high, other.second.high)};
+                    if (touches) whole = united(whole, other.second);
                     return touches;
                 })) {
                 }
@@ -278,7 +277,7 @@ private:
     }
 
     void findMeeting(Solids which, UnitedSolids& out) {
-        for (uint32_t k = 0; k < faces_.size() && hasGlass_; ++k)
+        for (uint32_t k = 0; k < faces_.size(); ++k)
             if (solids_.contains(body_[k]) && !meets_.contains(body_[k]))
                 anyOfAnother(faces_[k], body_[k], [&](uint32_t i) {
                     if (which == Solids::thatCross && !facesCross(faces_[k], faces_[i], tolerance_))
@@ -345,7 +344,6 @@ private:
     std::vector<uint32_t> body_;  // per flat face
     std::map<uint32_t, Solid> solids_;
     std::set<uint32_t> meets_; // bodies that meet others
-    bool hasGlass_ = false;
     std::vector<Bounds> boxes_;
     std::optional<BoxTree> tree_;
 };
@@ -355,6 +353,8 @@ private:
 std::optional<UnitedSolids> uniteSolids(const std::vector<SoupFace>& faces,
                                         const std::function<bool(uint32_t)>& isGlass, Solids which,
                                         double tolerance) {
+    if (std::ranges::none_of(faces, [&](const SoupFace& face) { return isGlass(face.material); }))
+        return std::nullopt;
     return SolidUniter(faces, isGlass, tolerance).unite(which);
 }
 

@@ -12,12 +12,10 @@ namespace heliodon::geometry {
 size_t dropDoubledGlass(std::vector<SoupFace>& faces, const std::function<bool(uint32_t)>& isGlass,
                         double tolerance) {
     std::vector<SoupFace> glass;
-    for (uint32_t f = 0; f < faces.size(); ++f)
-        if (isGlass(faces[f].material)) {
-            glass.push_back(faces[f]);
-            glass.back().surface = f;
-        }
-    const Building welded = weldFaces(glass, 1, tolerance, true);
+    std::vector<size_t> place; // of each among all faces
+    for (size_t f = 0; f < faces.size(); ++f)
+        if (isGlass(faces[f].material)) glass.push_back(faces[f]), place.push_back(f);
+    const Building welded = weldedByNumber(glass, tolerance);
     DisjointSets bodies(welded.faces.size());
     for (const auto& [edge, around] : facesOfEdges(welded))
         for (const uint32_t f : around) bodies.join(f, around[0]);
@@ -34,7 +32,7 @@ size_t dropDoubledGlass(std::vector<SoupFace>& faces, const std::function<bool(u
         if (copies.size() != 2) single.insert(bodies.root(copies[0]));
     std::vector<bool> gone(faces.size(), false);
     for (const auto& [corners, copies] : alike)
-        if (!single.contains(bodies.root(copies[0]))) gone[welded.faces[copies[1]].surface] = true;
+        if (!single.contains(bodies.root(copies[0]))) gone[place[welded.faces[copies[1]].surface]] = true;
     const size_t before = faces.size();
     size_t kept = 0;
     for (size_t f = 0; f < before; ++f)

@@ -263,4 +263,9 @@ Building weldFaces(const std::vector<SoupFace>& soup, uint32_t roomCount, double
     return building;
 }
 
+Building weldedByNumber(std::vector<SoupFace> faces, double tolerance) {
+    for (uint32_t k = 0; k < faces.size(); ++k) faces[k].surface = k;
+    return weldFaces(faces, 1, tolerance, true);
+}
+
 } // namespace heliodon::geometry

@@ -28,6 +28,9 @@ struct SoupFace {
 Building weldFaces(const std::vector<SoupFace>& soup, uint32_t roomCount, double tolerance,
                    bool sheets = false);
 
+// The same as sheets of one room, each face's `surface` its place among those given.
+Building weldedByNumber(std::vector<SoupFace> faces, double tolerance);
+
 struct ShellProof {
     bool closed = false;            // each directed edge once with its opposite, one fan per vertex
     bool selfIntersecting = false;  // two faces meet other than in common corners and edges

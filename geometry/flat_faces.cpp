@@ -76,8 +76,7 @@ std::vector<ShellTriangle> trianglesOf(const std::vector<FlatFace>& faces) {
 
 Bounds boundsOfFaces(const std::vector<FlatFace>& faces) {
     Bounds out = faces[0].box;
-    for (const FlatFace& face : faces)
-        out = {glm::min(out.low, face.box.low), glm::max(out.high, face.box.high)};
+    for (const FlatFace& face : faces) out = united(out, face.box);
     return out;
 }
 
@@ -94,7 +93,7 @@ std::vector<Whole> wholesOf(const Building& building, const std::vector<FlatFace
     for (const FlatFace& face : faces) {
         Whole& whole = wholes[sets.root(face.face)];
         whole.id = sets.root(face.face);
-        whole.box = {glm::min(whole.box.low, face.box.low), glm::max(whole.box.high, face.box.high)};
+        whole.box = united(whole.box, face.box);
         const double area = 0.5 * glm::length(areaVector(face.loops[0]));
         whole.area += area;
         if (std::abs(face.normal.y) < kSteep) whole.steep += area;

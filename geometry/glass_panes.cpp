@@ -193,8 +193,7 @@ public:
           gone_(soup.size(), false), edge_(soup.size(), false) {
         for (const SoupFace& face : soup) {
             if (isGlass(face.material)) continue;
-            const Bounds box = boundsOf(face.loops[0]);
-            walls_ = {glm::min(walls_.low, box.low), glm::max(walls_.high, box.high)};
+            walls_ = united(walls_, boundsOf(face.loops[0]));
         }
     }
 

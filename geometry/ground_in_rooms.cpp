@@ -91,12 +91,6 @@ private:
     double storey_, tolerance_;
 };
 
-// Each face by its place in the given ones.
-Building weldedByNumber(std::vector<SoupFace> faces, double tolerance) {
-    for (uint32_t k = 0; k < faces.size(); ++k) faces[k].surface = k;
-    return weldFaces(faces, 1, tolerance, true);
-}
-
 bool isLevel(const Whole& whole) {
     return whole.steep <= kMostSteep * whole.area;
 }
@@ -139,9 +133,7 @@ bool holds(const Bounds& box, const Bounds& inner, double tolerance) {
 // that are not cut there.
 Bounds boxOfHouses(const std::map<uint32_t, Body>& bodies, double tolerance) {
     Bounds out{dvec3(1e300), dvec3(-1e300)};
-    const auto add = [&](const Bounds& box) {
-        out = {glm::min(out.low, box.low), glm::max(out.high, box.high)};
-    };
+    const auto add = [&](const Bounds& box) { out = united(out, box); };
     for (const auto& [id, body] : bodies) {
         if (!body.hasGlass) continue;
         if (body.hasWalls) {

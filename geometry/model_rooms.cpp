@@ -99,7 +99,7 @@ private:
         }
         Bounds house = none;
         for (uint32_t r = 0; r < building_.roomCount; ++r)
-            if (hasGlass[r]) house = {glm::min(house.low, boxes[r].low), glm::max(house.high, boxes[r].high)};
+            if (hasGlass[r]) house = united(house, boxes[r]);
         for (uint32_t r = 0; r < building_.roomCount; ++r)
             if (!hasGlass[r] && house.low.x < house.high.x && isMuchLarger(boxes[r], house) &&
                 boxes[r].low.y < house.low.y - kPlanarOfExtent * extent_)

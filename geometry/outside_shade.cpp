@@ -11,6 +11,7 @@
 
 #include "geometry/bounds.h"
 #include "geometry/clip_polygon.h"
+#include "geometry/facing.h"
 #include "geometry/outline_area.h"
 
 namespace heliodon::geometry {
@@ -56,25 +57,15 @@ struct Piece {
     dvec3 normal = glm::normalize(glm::cross(corners[1] - corners[0], corners[2] - corners[0]));
 };
 
-template<class Corners> bool isPartBefore(const Corners& corners, dvec3 at, dvec3 normal, double tolerance) {
-    return std::ranges::any_of(corners, [&](dvec3 p) { return glm::dot(p - at, normal) > tolerance; });
-}
-
 // The height from which on the triangle matters to the pane: part of it lies before that, and part of the
 // pane before the triangle. Of `terrain` a slope below the pane's foot hides nothing but ground, and is about
 // as bright as that; its back is hidden by the ground before it.
 std::optional<double> mattersFrom(const Piece& piece, const Pane& pane, bool terrain, double tolerance) {
     const bool level = terrain && std::abs(piece.normal.y) > kLevel;
     if (level && boundsOf(piece.corners).high.y <= pane.foot + tolerance) return std::nullopt;
-    if (!isPartBefore(piece.corners, pane.corners[0], -pane.normal, tolerance) ||
-        !isPartBefore(pane.corners, piece.corners[0], piece.normal, tolerance))
+    if (!lookAtOneAnother(piece.corners, piece.normal, pane.corners, -pane.normal, tolerance))
         return std::nullopt;
     return level ? pane.foot : kEverywhere;
-}
-
-template<class A, class B> bool lookAtOneAnother(const A& a, const B& b, double tolerance) {
-    return isPartBefore(a.corners, b.corners[0], b.normal, tolerance) &&
-           isPartBefore(b.corners, a.corners[0], a.normal, tolerance);
 }
 
 // The outer sides of the rooms' walls that may send light into a window.
@@ -87,8 +78,7 @@ std::vector<Side> sidesSeen(const Building& building, std::span<const Pane> pane
         std::ranges::reverse(side.corners);
         side.normal = glm::normalize(areaVector(side.corners));
         if (std::ranges::any_of(panes, [&](const Pane& pane) {
-                return isPartBefore(side.corners, pane.corners[0], -pane.normal, tolerance) &&
-                       isPartBefore(pane.corners, side.corners[0], side.normal, tolerance);
+                return lookAtOneAnother(side.corners, side.normal, pane.corners, -pane.normal, tolerance);
             }))
             sides.push_back(std::move(side));
     }
@@ -149,7 +139,9 @@ Occluders outsideShade(std::span<const SoupFace> faces, const Building& building
     if (terrain) return shade.done();
     const std::vector<Side> sides = sidesSeen(building, panes, tolerance);
     for (const Piece& piece : others) {
-        const auto looksAt = [&](const auto& other) { return lookAtOneAnother(piece, other, tolerance); };
+        const auto looksAt = [&](const auto& other) {
+            return lookAtOneAnother(piece.corners, piece.normal, other.corners, other.normal, tolerance);
+        };
         if (std::ranges::any_of(seen, looksAt) || std::ranges::any_of(sides, looksAt)) shade.add(piece);
     }
     return shade.done();

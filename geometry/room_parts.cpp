@@ -78,8 +78,7 @@ private:
         Bounds out{dvec3(1e300), dvec3(-1e300)};
         for (const auto& [id, part] : space_.parts) {
             if (!isAir(id) || part.window == 0) continue;
-            const Bounds box = part.box();
-            out = {glm::min(out.low, box.low), glm::max(out.high, box.high)};
+            out = united(out, part.box());
         }
         return out;
     }
@@ -195,8 +194,7 @@ private:
             const SpacePart& part = partOf(id);
             if (part.volume <= 0 || part.window == 0) continue;
             rooms.push_back(id);
-            const Bounds box = part.box();
-            all = {glm::min(all.low, box.low), glm::max(all.high, box.high)};
+            all = united(all, part.box());
             open |= part.open > kNothing * part.area;
             lookIn &= part.looksIn();
             largest = std::max(largest, part.volume);

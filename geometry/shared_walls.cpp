@@ -20,9 +20,7 @@ namespace {
 
 // Those that hang together with an edge of one alone: others enclose something, as neighbours that overlap.
 std::vector<SoupFace> openAmong(const std::vector<SoupFace>& sheets, double tolerance) {
-    std::vector<SoupFace> numbered = sheets;
-    for (uint32_t k = 0; k < numbered.size(); ++k) numbered[k].surface = k;
-    const Building welded = weldFaces(numbered, 1, tolerance, true);
+    const Building welded = weldedByNumber(sheets, tolerance);
     DisjointSets wholes(sheets.size());
     std::set<uint32_t> edged; // sheets
     for (const auto& [edge, faces] : facesOfEdges(welded)) {

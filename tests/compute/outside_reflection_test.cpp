@@ -125,20 +125,29 @@ TEST(OutsideReflection, a_wall_that_fills_the_view_in_an_even_world) {
     }
 }
 
+// A sky that lights an open field by one lux.
+struct UnderEvenSky {
+    explicit UnderEvenSky(const geometry::PatchMesh& mesh) : scene(mesh) {}
+    std::vector<float> straight() const { // on cells
+        return reflection.skyLight(std::vector<double>(sky.elementCount(), 1 / kPi));
+    }
+
+    PointScene scene;
+    daylight::SkyPatches sky{2};
+    OutsideReflection reflection{scene, sky};
+};
+
 // Nothing outside is brighter than what lights it, however often light goes to and fro.
 TEST(OutsideReflection, an_enclosure_sends_no_more_than_it_gets) {
     geometry::PatchMesh mesh = test::roomWithWindow(1);
     for (const float x : {-0.5f, 4.5f})
         test::wallOutside(mesh, {x, x < 0 ? -6 : 0}, {x, x < 0 ? 0 : -6}, -3, 9, 0.99f);
     test::wallOutside(mesh, {4.5, -6}, {-0.5, -6}, -3, 9, 0.99f);
-    const PointScene scene(mesh);
-    const daylight::SkyPatches sky(2);
-    const OutsideReflection reflection(scene, sky);
-    const std::vector<double> even(sky.elementCount(), 1 / kPi);
-    const std::vector<float> straight = reflection.skyLight(even);
+    const UnderEvenSky world(mesh);
+    const std::vector<float> straight = world.straight();
     std::vector<glm::vec3> lit;
     for (const float one : straight) lit.emplace_back(one);
-    const std::vector<glm::vec3> sent = reflection.exitance(lit);
+    const std::vector<glm::vec3> sent = world.reflection.exitance(lit);
     double mean = 0, once = 0;
     for (size_t c = 0; c < sent.size(); ++c) {
         EXPECT_LT(sent[c].y, 1.001);
@@ -234,15 +243,12 @@ TEST(OutsideReflection, outer_sides_of_rooms_have_the_light_of_traced_paths) {
 
 TEST(OutsideReflection, a_court_of_rooms_sends_no_more_than_it_gets) {
     const geometry::PatchMesh mesh = courtOfRooms(0.99F, 12);
-    const PointScene scene(mesh);
-    const daylight::SkyPatches sky(2);
-    const OutsideReflection reflection(scene, sky);
-    const std::vector<double> even(sky.elementCount(), 1 / kPi);
-    const std::vector<float> straight = reflection.skyLight(even);
+    const UnderEvenSky world(mesh);
+    const std::vector<float> straight = world.straight();
     std::vector<glm::vec3> lit;
     double wall = 0, glass = 0;
     for (size_t c = 0; c < straight.size(); ++c) {
-        const OutsideCell& cell = reflection.cells()[c];
+        const OutsideCell& cell = world.reflection.cells()[c];
         const double area = 0.5 * glm::length(geometry::areaVector(cell.corners));
         lit.emplace_back(straight[c]), wall += area;
         for (const MaterialShare& of : cell.materials)
@@ -251,7 +257,7 @@ TEST(OutsideReflection, a_court_of_rooms_sends_no_more_than_it_gets) {
     EXPECT_NEAR(wall, 4 * 6 * 12, 1e-6 * wall); // nothing but the walls of the court
     EXPECT_NEAR(glass, 2 * 4, 1e-6 * wall);
     double mean = 0;
-    const std::vector<glm::vec3> sent = reflection.exitance(lit);
+    const std::vector<glm::vec3> sent = world.reflection.exitance(lit);
     for (const glm::vec3& one : sent) {
         EXPECT_LT(one.y, 1.001);
         mean += one.y / static_cast<double>(sent.size());
