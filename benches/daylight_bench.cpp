@@ -13,6 +13,7 @@
 #include <sstream>
 #include <thread>
 
+#include "benches/bench_main.h"
 #include "compute/annual_daylight.h"
 #include "compute/daylight/annual_metrics.h"
 #include "compute/daylight/weather.h"
@@ -254,14 +255,7 @@ struct Bench {
     }
 };
 
-} // namespace
-
-int main(int count, char** arguments) {
-    if (count < 3) {
-        std::fprintf(stderr, "daylight_bench MODEL WEATHER.epw[.gz] [TRIANGLES,TRIANGLES... [RIG.json]]\n");
-        return 2;
-    }
-    std::setvbuf(stdout, nullptr, _IOLBF, 0);
+void bench(int count, char** arguments) {
     std::vector<size_t> sizes;
     std::istringstream list(count > 3 ? arguments[3] : "500,1000,2000");
     for (std::string size; std::getline(list, size, ',');) sizes.push_back(std::stoul(size));
@@ -280,4 +274,11 @@ int main(int count, char** arguments) {
         bench.timelapse(mesh, rig ? &*rig : nullptr);
         if (size == sizes.back()) bench.product(mesh);
     }
+}
+
+} // namespace
+
+int main(int argc, char** argv) {
+    return benchMain(argc, argv, 2,
+                     "daylight_bench MODEL WEATHER.epw[.gz] [TRIANGLES,TRIANGLES... [RIG.json]]", bench);
 }

@@ -12,6 +12,7 @@
 #include <ctime>
 #include <filesystem>
 
+#include "benches/bench_main.h"
 #include "compute/daylight_transport.h"
 #include "compute/gpu/device.h"
 #include "geometry/mesher.h"
@@ -56,15 +57,8 @@ void runCase(gpu::Device& device, const std::filesystem::path& folder, size_t tr
         100 * claimed[claimed.size() / 2], factors, sensors, allCpu - factors - sensors, allWall);
 }
 
-} // namespace
-
-int main(int argc, char** argv) {
-    if (argc < 2) {
-        std::fprintf(stderr, "illuminance_bench FOLDER [TRIANGLES,TRIANGLES... [KERNEL [ROW_ERROR]]]\n");
-        return 2;
-    }
+void bench(int argc, char** argv) {
     gpu::Device device;
-    std::setvbuf(stdout, nullptr, _IOLBF, 0);
     std::vector<std::filesystem::path> folders;
     for (const auto& entry : std::filesystem::directory_iterator(argv[1]))
         if (std::filesystem::exists(entry.path() / "sensors.csv")) folders.push_back(entry.path());
@@ -82,4 +76,11 @@ int main(int argc, char** argv) {
     for (const auto& folder : folders)
         for (const char* at = list.c_str(); at; at = std::strchr(at, ','), at = at ? at + 1 : nullptr)
             runCase(device, folder, static_cast<size_t>(std::atoi(at)), options);
+}
+
+} // namespace
+
+int main(int argc, char** argv) {
+    return benchMain(argc, argv, 1, "illuminance_bench FOLDER [TRIANGLES,TRIANGLES... [KERNEL [ROW_ERROR]]]",
+                     bench);
 }

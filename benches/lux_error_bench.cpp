@@ -16,6 +16,7 @@
 #include <fmt/format.h>
 #include <glm/geometric.hpp>
 
+#include "benches/bench_main.h"
 #include "compute/daylight_transport.h"
 #include "compute/gpu/device.h"
 #include "geometry/bounds.h"
@@ -185,12 +186,9 @@ void runScene(gpu::Device& device, uint32_t seed, size_t triangles, size_t fine)
                 outside[2]);
 }
 
-} // namespace
-
-int main(int argc, char** argv) {
+void bench(int argc, char** argv) {
     const auto argument = [&](int k, int otherwise) { return argc > k ? std::atoi(argv[k]) : otherwise; };
     gpu::Device device;
-    std::setvbuf(stdout, nullptr, _IOLBF, 0);
     std::printf(
         "device \"%s\"\n| scene | triangles | fine | inside | RMS %% | worst %% | median lux_error %% | "
         "worst over lux_error | outside on the work plane, anywhere, by surfaces "
@@ -203,4 +201,11 @@ int main(int argc, char** argv) {
     std::printf("all: %zu of %zu inside, %.2f %%\n", insideOfAll, valuesOfAll,
                 100 * static_cast<double>(insideOfAll) /
                     static_cast<double>(std::max<size_t>(1, valuesOfAll)));
+}
+
+} // namespace
+
+int main(int argc, char** argv) {
+    return benchMain(argc, argv, 0, "lux_error_bench [SCENES [TRIANGLES [FINE_TRIANGLES [FIRST_SEED]]]]",
+                     bench);
 }

@@ -14,6 +14,7 @@
 
 #include <fmt/format.h>
 
+#include "benches/bench_main.h"
 #include "geometry/mesher.h"
 
 using namespace heliodon::geometry;
@@ -136,16 +137,17 @@ void benchGmsh(const std::string& sketch, const Building& building, size_t asked
     }
 }
 
-} // namespace
-
-int main(int count, char** arguments) {
+void bench(int count, char** arguments) {
     const bool gmsh = std::system("gmsh --version > /dev/null 2>&1") == 0;
     std::printf(
         "sketch,mesher,asked,triangles,ms,min_angle_deg,min_angle_all_deg,strip_triangles,area_deviation\n");
     for (int i = 1; i < count; ++i) {
         const Sketch sketch = readSketch(arguments[i]);
         const Closure closure = closeSketch(sketch);
-        if (!closure.building) continue;
+        if (!closure.building) {
+            std::fprintf(stderr, "%s: left out, %s\n", arguments[i], closure.report.message.c_str());
+            continue;
+        }
         std::printf("%s,closure,,,%.2f,,,,\n", sketch.id.c_str(), medianMs([&] { closeSketch(sketch); }));
         for (const size_t asked : {500u, 1000u, 2000u, 5000u, 10000u, 20000u, 50000u}) {
             const double meshing = medianMs([&] { meshBuilding(*closure.building, {asked}); });
@@ -156,4 +158,10 @@ int main(int count, char** arguments) {
             if (gmsh) benchGmsh(sketch.id, *closure.building, asked, area);
         }
     }
+}
+
+} // namespace
+
+int main(int argc, char** argv) {
+    return heliodon::benchMain(argc, argv, 1, "meshing_bench SKETCH.json...", bench);
 }

@@ -10,6 +10,7 @@
 #include <ctime>
 #include <vector>
 
+#include "benches/bench_main.h"
 #include "compute/daylight_transport.h"
 #include "compute/gpu/device.h"
 #include "compute/stopwatch.h"
@@ -99,16 +100,10 @@ private:
     compute::DaylightTransport exact_;
 };
 
-} // namespace
-
-int main(int argc, char** argv) {
+void bench(int argc, char** argv) {
     const bool tinted = argc == 3 && std::strcmp(argv[2], "tinted") == 0;
-    if (argc != 2 && !tinted) {
-        std::fprintf(stderr, "relight_bench MODEL.obj [tinted]\n");
-        return 2;
-    }
+    if (argc > 2 && !tinted) throw std::invalid_argument(std::string(argv[2]) + ": expected 'tinted'");
     gpu::Device device;
-    std::setvbuf(stdout, nullptr, _IOLBF, 0);
     std::printf("device \"%s\"\n", device.info().name.c_str());
     geometry::PatchMesh mesh = geometry::readPatches(argv[1]);
     if (tinted)
@@ -118,4 +113,10 @@ int main(int argc, char** argv) {
         bench.still(sun);
         bench.sequence(sun);
     }
+}
+
+} // namespace
+
+int main(int argc, char** argv) {
+    return benchMain(argc, argv, 1, "relight_bench MODEL.obj [tinted]", bench);
 }
