@@ -124,7 +124,10 @@ public:
                     fmt::format("material \"{}\" has no baseColorFactor: a reflectance of {} was assumed",
                                 material.name, assumed);
             }
-            checkMaterial(material, kFields, out_.file, fmt::format("materials[{}]", i));
+            if (auto flaw = flawOf(material, kFields, out_.file, fmt::format("materials[{}]", i))) {
+                flaw->material = static_cast<uint32_t>(i);
+                out_.flaws.push_back(*flaw);
+            }
             const double opacity = in_.materials[i].pbrMetallicRoughness.baseColorFactor.at(3);
             if (in_.materials[i].alphaMode == "BLEND" && opacity < 1 && !material.isOpening())
                 out_.doubts[static_cast<uint32_t>(i)] =

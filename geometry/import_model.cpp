@@ -42,7 +42,7 @@ constexpr double kMostOfGlass = 16;
 class ModelImporter {
 public:
     ModelImporter(const std::filesystem::path& file, UpAxis up, const ImportOptions& options)
-        : model_(readRawModel(file, options.glazing)), givenScale_(options.worldPerBuilding) {
+        : model_(readRawModel(file, options.materials)), givenScale_(options.worldPerBuilding) {
         for (glm::dvec3& p : model_.vertices) p = worldFromModel(p, up);
         const double all = extentOf([](uint32_t) { return true; });
         if (!(all > 0)) throw InputError(model_.file, model_.place(0), "all faces lie in one point");
@@ -83,11 +83,18 @@ public:
             if (auto made = attempt()) return std::move(*made);
             if (doubtful) return std::move(*doubtful);
         }
-        if (!faces_.folded.empty()) throw foldError(*faces_.folded.begin());
-        throw *wrong;
+        throw InputError(faces_.folded.empty() ? *wrong : foldError(*faces_.folded.begin()), doubtsOfGlass());
     }
 
 private:
+    // Glass that was read as a wall is what keeps many a model from closing.
+    std::string doubtsOfGlass() const {
+        std::string out;
+        for (const auto& [material, doubt] : model_.doubts)
+            if (std::ranges::find(model_.material, material) != model_.material.end()) out += "; " + doubt;
+        return out;
+    }
+
     bool hasInsideOfWalls(const Building& building) const {
         return building.roomCount > 1 &&
                std::ranges::any_of(measureRooms(ownTriangles(building)), [&](const RoomMeasures& room) {

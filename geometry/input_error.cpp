@@ -13,4 +13,7 @@ std::string printable(std::string text) {
 InputError::InputError(const std::string& file, const std::string& place, const std::string& what)
     : std::runtime_error(printable(file + (place.empty() ? "" : ":" + place) + ": " + what)) {}
 
+InputError::InputError(const InputError& error, const std::string& more)
+    : std::runtime_error(printable(error.what() + more)) {}
+
 } // namespace heliodon::geometry

@@ -16,6 +16,8 @@ public:
     // `place` is a line ("12") or a field ("walls[3].thickness"), or empty for the file as a whole. `what`
     // says what is wrong and what was expected, in one line. what() reads "file:place: what".
     InputError(const std::string& file, const std::string& place, const std::string& what);
+    // The same with more behind it.
+    InputError(const InputError& error, const std::string& more);
 };
 
 } // namespace heliodon::geometry

@@ -107,8 +107,8 @@ glm::dvec3 worldFromModel(glm::dvec3 p, UpAxis up) {
     return up == UpAxis::y ? p : glm::dvec3(p.x, p.z, -p.y);
 }
 
-PatchMesh readPatches(const std::filesystem::path& file, UpAxis up, std::span<const Glazing> glazing) {
-    const RawModel model = readRawModel(file, glazing);
+PatchMesh readPatches(const std::filesystem::path& file, UpAxis up, const GivenMaterials& given) {
+    const RawModel model = readRawModel(file, given);
     PatchMesh mesh;
     for (const glm::dvec3& p : model.vertices) mesh.vertices.push_back(worldFromModel(p, up));
     mesh.materials = model.materials;

@@ -31,15 +31,23 @@ struct Glazing {
     glm::vec3 transmittance;
 };
 
+// What is said of a model's materials beside its file.
+struct GivenMaterials {
+    std::vector<Glazing> glazing;
+    // 0 to below 1: what materials reflect that the file names and does not define, and the brightest channel
+    // of those that it states as 1 or more, as no paint is.
+    std::optional<float> reflectance;
+};
+
 // A model with z up is turned to y up: (x, y, z) -> (x, z, -y). The same turn applies to sensors and skies of
 // that model.
 glm::dvec3 worldFromModel(glm::dvec3 p, UpAxis up);
 
 // The faces exactly as in the file, one patch each (planar convex polygons; others are refused by line), but
 // for what writeModel() wrote of PatchMesh::outside. No closure is asked for. Throws InputError, and so where
-// `glazing` names a material that the file does not.
+// `given` names a material as glass that the file does not.
 PatchMesh readPatches(const std::filesystem::path& file, UpAxis up = UpAxis::y,
-                      std::span<const Glazing> glazing = {});
+                      const GivenMaterials& given = {});
 
 // World metres a metre of building, where nobody says it: rooms less than a metre high are of the table's
 // size, 12 times smaller than what they stand for.
@@ -49,8 +57,8 @@ struct ImportOptions {
     // Called before each part of the work (1 s of 300,000 faces); what it throws ends the work.
     std::function<void()> beforePart = [] {};
     std::optional<double>
-        worldPerBuilding;         // what people and storeys are measured in; none: assumed of the rooms
-    std::vector<Glazing> glazing; // as of readPatches()
+        worldPerBuilding;     // what people and storeys are measured in; none: assumed of the rooms
+    GivenMaterials materials; // as of readPatches()
 };
 
 // The model as closed rooms: duplicate vertices welded, T-vertices split, flipped faces turned where that is

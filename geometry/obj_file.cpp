@@ -99,7 +99,8 @@ constexpr MaterialFields kFields{"Kd", "Tf", "Ke", "Ni"};
 
 struct MaterialDraft {
     Material material;
-    std::string place, colourPlace; // its last line; that of its last Kd or Tf
+    std::string place, colourPlace;     // its last line; that of its last Kd or Tf
+    std::optional<RawModel::Flaw> flaw; // of the first line with one
     bool hasKd = false;
     std::optional<double> opacity; // as stated
 
@@ -125,7 +126,13 @@ void finishMaterial(const MaterialDraft& draft, const std::string& file, RawMode
         model.assumed[number] =
             fmt::format("material \"{}\" has no Kd: a reflectance of 0.5 was assumed", material.name);
     }
-    checkMaterial(material, kFields, file, draft.colourPlace);
+    auto flaw = draft.flaw;
+    if (!flaw || flaw->kind == RawModel::Flaw::Kind::tooBright) // a Tf may have followed
+        flaw = flawOf(material, kFields, file, draft.colourPlace);
+    if (flaw) {
+        flaw->material = number;
+        model.flaws.push_back(*flaw);
+    }
     if (material.blind != Blind{} && !material.isOpening())
         throw InputError(
             file, draft.place,
@@ -192,7 +199,7 @@ void readMtl(const std::filesystem::path& file, RawModel& model, MaterialIndex& 
         if (key == "Kd" || key == "Tf") draft->colourPlace = lines.place();
         Material soFar = draft->material;
         if (soFar.transmittance == glm::vec3(1)) soFar.transmittance = glm::vec3(0); // "d 1" may follow
-        checkMaterial(soFar, kFields, lines.file(), lines.place());
+        if (!draft->flaw) draft->flaw = flawOf(soFar, kFields, lines.file(), lines.place());
     }
     if (draft) finishMaterial(*draft, lines.file(), model, index);
 }
@@ -307,7 +314,12 @@ private:
         const std::vector<std::filesystem::path> files = librariesOf(lines_, path_.parent_path(), whole);
         if (whole.empty()) lines_.fail("mtllib without a name");
         if (files.empty())
-            lines_.fail(fmt::format("mtllib \"{}\" does not exist, expected materials (.mtl)", whole));
+            model_.flaws.push_back(
+                {RawModel::Flaw::Kind::missingFile, lines_.file(), lines_.place(),
+                 fmt::format(
+                     "mtllib \"{}\" does not exist, expected materials (.mtl); --reflectance 0.5 takes "
+                     "them as grey, --glass MATERIAL=0.8 one as glass",
+                     whole)});
         for (const auto& file : files) readMtl(file, model_, materials_);
     }
 
@@ -399,11 +411,17 @@ private:
         if (found == materials_.end()) {
             // Without any material in the file the faces are a mid grey; a name that nothing defines is a
             // mistake.
-            if (name != "default")
-                lines_.fail(fmt::format("material \"{}\" is not defined in any mtllib", name));
             MaterialDraft grey;
             grey.material.name = name;
             grey.place = lines_.place();
+            if (name != "default") {
+                grey.hasKd = true;
+                grey.flaw = {
+                    RawModel::Flaw::Kind::undefined, lines_.file(), lines_.place(),
+                    fmt::format("material \"{0}\" is not defined in any mtllib; --reflectance 0.5 takes "
+                                "it as grey, --glass \"{0}=0.8\" as glass",
+                                name)};
+            }
             finishMaterial(grey, lines_.file(), model_, materials_);
             found = materials_.find(name);
         }

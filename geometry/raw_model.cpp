@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "geometry/counted.h"
 #include "geometry/input_error.h"
 #include "geometry/lower_case.h"
 #include "geometry/outline_area.h"
@@ -90,28 +91,36 @@ std::string seeThroughButOpaque(const std::string& material, double opacity, con
 // Lux. The sun's surface has 6e9; squares of what is much brighter leave single precision.
 constexpr float kBrightest = 1e10f;
 
-void checkMaterial(const Material& material, const MaterialFields& fields, const std::string& file,
-                   const std::string& place) {
-    const auto fail = [&](const std::string& what) {
-        throw InputError(file, place, fmt::format("material \"{}\": {}", material.name, what));
+std::optional<RawModel::Flaw> flawOf(const Material& material, const MaterialFields& fields,
+                                     const std::string& file, const std::string& place) {
+    using Kind = RawModel::Flaw::Kind;
+    const auto flaw = [&](const std::string& what, Kind kind = Kind::unphysical) {
+        return RawModel::Flaw{kind, file, place, fmt::format("material \"{}\": {}", material.name, what)};
     };
     const float ior = material.refractiveIndex;
     if (!(ior >= 1 && ior <= 4))
-        fail(fmt::format("refractive index ({}) is {}, expected 1 to 4", fields.refractiveIndex, ior));
+        return flaw(fmt::format("refractive index ({}) is {}, expected 1 to 4", fields.refractiveIndex, ior));
     for (int c = 0; c < 3; ++c) {
         const float kd = material.reflectance[c], tf = material.transmittance[c], ke = material.exitance[c];
-        if (!(kd >= 0 && kd < 1))
-            fail(fmt::format("reflectance ({}) is {}, expected 0 to below 1 (white paint: 0.85)",
-                             fields.reflectance, kd));
+        if (!(kd >= 0 && kd < 1)) {
+            const bool tooBright = kd >= 1 && std::isfinite(kd) && !material.isOpening();
+            return flaw(fmt::format("reflectance ({}) is {}, expected 0 to below 1 (white paint: 0.85{})",
+                                    fields.reflectance, kd,
+                                    tooBright ? ", as which --reflectance 0.85 takes it" : ""),
+                        tooBright ? Kind::tooBright : Kind::unphysical);
+        }
         if (!(tf >= 0 && tf <= 1))
-            fail(fmt::format("transmittance ({}) is {}, expected 0 to 1", fields.transmittance, tf));
+            return flaw(fmt::format("transmittance ({}) is {}, expected 0 to 1", fields.transmittance, tf));
         if (kd + tf > 1 + 1e-6f)
-            fail(fmt::format("reflectance {0} and transmittance ({1}) {2} add up to more than 1; an opaque "
-                             "material has no {1}",
-                             kd, fields.transmittance, tf));
+            return flaw(
+                fmt::format("reflectance {0} and transmittance ({1}) {2} add up to more than 1; an opaque "
+                            "material has no {1}",
+                            kd, fields.transmittance, tf));
         if (!(ke >= 0 && ke <= kBrightest))
-            fail(fmt::format("exitance ({}) is {}, expected 0 to {:g} lux", fields.exitance, ke, kBrightest));
+            return flaw(
+                fmt::format("exitance ({}) is {}, expected 0 to {:g} lux", fields.exitance, ke, kBrightest));
     }
+    return std::nullopt;
 }
 
 namespace {
@@ -165,13 +174,49 @@ void makeGlass(RawModel& model, const Glazing& glazing) {
     *found = {.name = found->name, .transmittance = glazing.transmittance, .blind = found->blind};
     const auto number = static_cast<uint32_t>(found - model.materials.begin());
     model.assumed.erase(number), model.doubts.erase(number);
+    std::erase_if(model.flaws, [&](const RawModel::Flaw& flaw) {
+        return flaw.kind != RawModel::Flaw::Kind::missingFile && flaw.material == number;
+    });
+}
+
+// Throws what nothing given mends.
+void mendMaterials(RawModel& model, const GivenMaterials& given) {
+    for (const Glazing& one : given.glazing) makeGlass(model, one);
+    std::vector<uint32_t> undefined;
+    for (const RawModel::Flaw& flaw : model.flaws) {
+        if (!given.reflectance || flaw.kind == RawModel::Flaw::Kind::unphysical)
+            throw InputError(flaw.file, flaw.place, flaw.what);
+        if (flaw.kind == RawModel::Flaw::Kind::missingFile) continue;
+        Material& material = model.materials[flaw.material];
+        if (flaw.kind == RawModel::Flaw::Kind::undefined) {
+            material.reflectance = glm::vec3(*given.reflectance);
+            undefined.push_back(flaw.material);
+            continue;
+        }
+        const glm::vec3 stated = material.reflectance;
+        const float most = std::max({stated.x, stated.y, stated.z});
+        material.reflectance *= *given.reflectance / most;
+        model.assumed[flaw.material] =
+            fmt::format("material \"{}\" states a reflectance of {}: it was taken as {} (--reflectance)",
+                        material.name, most, *given.reflectance);
+    }
+    if (undefined.empty()) return;
+    std::string names;
+    constexpr size_t kFew = 5;
+    for (size_t k = 0; k < std::min(kFew, undefined.size()); ++k)
+        names += (k == 0 ? "" : ", ") + model.materials[undefined[k]].name;
+    if (undefined.size() > kFew) names += fmt::format(" and {} more", undefined.size() - kFew);
+    model.assumed[undefined[0]] =
+        fmt::format("{} that {} not defined ({}): a reflectance of {} was taken (--reflectance)",
+                    counted(undefined.size(), "material"), undefined.size() == 1 ? "is" : "are", names,
+                    *given.reflectance);
 }
 
 } // namespace
 
-RawModel readRawModel(const std::filesystem::path& file, std::span<const Glazing> glazing) {
+RawModel readRawModel(const std::filesystem::path& file, const GivenMaterials& given) {
     RawModel model = readByExtension(file);
-    for (const Glazing& one : glazing) makeGlass(model, one);
+    mendMaterials(model, given);
     if (model.faceCount() == 0) throw InputError(model.file, "", "holds no faces");
     checkReach(model);
     doubtOpaqueGlass(model);

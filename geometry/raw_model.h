@@ -44,7 +44,7 @@ struct RawModel {
     std::vector<std::string> groups;
     std::vector<std::string> source; // per group: "" in an .obj, "meshes[0].primitives[1]" in a glTF
     std::vector<Material>
-        materials; // checked: finite, reflectance in [0, 1), reflectance + transmittance at most 1
+        materials;                  // finite, reflectance in [0, 1), with transmittance at most 1 (but flaws)
     std::optional<double> northDeg; // direction of north, as Building has it, where the file says it
     // Pairs of faces that are the two sides of interior glass, where the file says which: all other panes
     // then look outside. Any numbers at all; `of` faces, with this `glass`, that the file had when it was
@@ -63,6 +63,13 @@ struct RawModel {
     std::vector<Outside> outside;
     // By material, one sentence each: what the file does not say, and what may have been meant otherwise.
     std::map<uint32_t, std::string> assumed, doubts;
+    // What keeps materials from being used, in the order of the file, unless GivenMaterials mend it.
+    struct Flaw {
+        enum class Kind { missingFile, undefined, tooBright, unphysical } kind;
+        std::string file, place, what;
+        uint32_t material = 0; // of none where a file is missing
+    };
+    std::vector<Flaw> flaws;
 
     // Adds a corner to the face that is not ended yet.
     void addCorner(uint32_t vertex, glm::vec3 normal);
@@ -83,8 +90,8 @@ struct RawModel {
 RawModel readObj(const std::filesystem::path& file);
 RawModel readGltf(const std::filesystem::path& file);
 // By extension; throws InputError for others, for a model without faces, and for one that names a face with a
-// corner beyond kFarthest or `glazing` a material that it has not.
-RawModel readRawModel(const std::filesystem::path& file, std::span<const Glazing> glazing = {});
+// corner beyond kFarthest or `given` a material that it has not, or has a flaw that nothing given mends.
+RawModel readRawModel(const std::filesystem::path& file, const GivenMaterials& given = {});
 
 // Of a material that is see-through, so that `opacity` of what is behind it is hidden, but transmits nothing:
 // glass may be meant, and is not made of it, for how much light passes at what angle is not known. Glazing
@@ -96,8 +103,8 @@ struct MaterialFields {
     const char *reflectance, *transmittance, *exitance, *refractiveIndex;
 };
 
-// Throws InputError(file, place, ...), naming the field, unless the material's values are physical.
-void checkMaterial(const Material& material, const MaterialFields& fields, const std::string& file,
-                   const std::string& place);
+// Naming the field, unless the material's values are physical.
+std::optional<RawModel::Flaw> flawOf(const Material& material, const MaterialFields& fields,
+                                     const std::string& file, const std::string& place);
 
 } // namespace heliodon::geometry

@@ -28,10 +28,11 @@ struct SceneArguments {
     std::optional<size_t> triangles;
     std::optional<double> chordError; // inches on the table
     std::string up = "y";
-    double northDeg = 0;              // turns north clockwise seen from above
-    std::optional<double> modelScale; // how many times larger than a model from a file its building is
-    std::vector<std::string> glass;   // MATERIAL=T[,T,T] of a model from a file
-    std::vector<std::string> blinds;  // [MATERIAL=]STATE, see blinds.h
+    double northDeg = 0;               // turns north clockwise seen from above
+    std::optional<double> modelScale;  // how many times larger than a model from a file its building is
+    std::vector<std::string> glass;    // MATERIAL=T[,T,T] of a model from a file
+    std::optional<double> reflectance; // of materials that a model from a file does not define
+    std::vector<std::string> blinds;   // [MATERIAL=]STATE, see blinds.h
 };
 
 // Where, when and under which sky; empty: the default, which is printed.

@@ -46,7 +46,7 @@ geometry::PatchMesh loadPatches(Run& run, const SceneArguments& arguments) {
                                    "is for curved walls on the table, a model's faces are flat");
     if (!facesAsTheyAre) return loadScene(run, arguments).mesh;
     const StageTimer timer(run, "read");
-    geometry::PatchMesh mesh = geometry::readPatches(arguments.input, upAxisOf(arguments), glazingOf(arguments));
+    geometry::PatchMesh mesh = geometry::readPatches(arguments.input, upAxisOf(arguments), materialsOf(arguments));
     warnOfDoubles(run, mesh);
     return mesh;
 }

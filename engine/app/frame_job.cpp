@@ -100,6 +100,7 @@ FrameJob frameJobOf(Run& run, const TimelapseArguments& arguments, const Scene& 
         {"--model-scale", orDefault(input.modelScale)},
         {"--north", input.northDeg},
         {"--glass", input.glass.empty() ? "none" : fmt::format("{}", fmt::join(input.glass, " "))},
+        {"--reflectance", orDefault(input.reflectance)},
         {"--blinds", input.blinds.empty() ? "open" : fmt::format("{}", fmt::join(input.blinds, " "))},
         {"the model made of INPUT", hashOfScene(scene)},
         {"--site", orDefault(arguments.moment.site)},

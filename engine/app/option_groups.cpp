@@ -21,6 +21,10 @@ void addScene(CLI::App* sub, SceneArguments& scene) {
            "MATERIAL=T or MATERIAL=R,G,B of a model: it is glass of that visible transmittance at normal "
            "incidence, whatever the file says; may be given several times")
         ->allow_extra_args(false);
+    sub->add_option("--reflectance", scene.reflectance,
+                    "of materials that a model names and does not define (a missing .mtl), and the brightest "
+                    "channel of those that it states as 1 or more, as no paint is")
+        ->check(within(0, 0.99));
 }
 
 void addMesh(CLI::App* sub, SceneArguments& scene) {

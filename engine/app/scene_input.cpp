@@ -143,7 +143,7 @@ geometry::Building importOrRefuse(Run& run, const SceneArguments& arguments, geo
         const std::optional<double>& scale = arguments.modelScale;
         return geometry::importModel(
             arguments.input, up,
-            {throwIfInterrupted, scale ? std::optional(1 / *scale) : std::nullopt, glazingOf(arguments)});
+            {throwIfInterrupted, scale ? std::optional(1 / *scale) : std::nullopt, materialsOf(arguments)});
     } catch (const InputError& error) {
         run.report()["outcome"] = "refuse";
         run.report()["code"] = "BAD_MODEL";
@@ -227,8 +227,9 @@ geometry::UpAxis upAxisOf(const SceneArguments& arguments) {
     return arguments.up == "z" ? geometry::UpAxis::z : geometry::UpAxis::y;
 }
 
-std::vector<geometry::Glazing> glazingOf(const SceneArguments& arguments) {
-    std::vector<geometry::Glazing> all;
+geometry::GivenMaterials materialsOf(const SceneArguments& arguments) {
+    geometry::GivenMaterials all;
+    if (arguments.reflectance) all.reflectance = static_cast<float>(*arguments.reflectance);
     for (const std::string& text : arguments.glass) {
         const size_t equals = std::min(text.rfind('='), text.size());
         std::vector<float> values;
@@ -244,7 +245,7 @@ std::vector<geometry::Glazing> glazingOf(const SceneArguments& arguments) {
                              fmt::format("'{}': expected MATERIAL=T or MATERIAL=R,G,B, transmittances above "
                                          "0 and at most 1",
                                          text));
-        all.push_back({text.substr(0, equals), {values[0], values[1], values[2]}});
+        all.glazing.push_back({text.substr(0, equals), {values[0], values[1], values[2]}});
     }
     return all;
 }
@@ -322,7 +323,10 @@ SceneSource readSource(Run& run, const SceneArguments& arguments) {
                          "is for models from files, what lies on the table is 12 times smaller");
     if (arguments.chordError && kind == InputKind::model)
         throw InputError("--chord-error", "", "is for curved walls on the table, a model's faces are flat");
-    if (!glazingOf(arguments).empty() && kind != InputKind::model)
+    if (arguments.reflectance && kind != InputKind::model)
+        throw InputError("--reflectance", "",
+                         "is for models from files, tokens on the table say it of the walls there");
+    if (!materialsOf(arguments).glazing.empty() && kind != InputKind::model)
         throw InputError("--glass", "", "is for models from files, glass on the table is clear");
     if (arguments.up == "z" && kind != InputKind::model)
         run.warn("--up is not used: it is for models from files, what lies on the table has y up");

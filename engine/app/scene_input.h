@@ -52,8 +52,8 @@ void warnOfNoProjectors(Run& run, const std::filesystem::path& rig);
 
 geometry::UpAxis upAxisOf(const SceneArguments& arguments);
 
-// Of --glass. Throws InputError.
-std::vector<geometry::Glazing> glazingOf(const SceneArguments& arguments);
+// Of --glass and --reflectance. Throws InputError.
+geometry::GivenMaterials materialsOf(const SceneArguments& arguments);
 
 // The sketch in a file, or detected in a photograph (which needs a rig). Fills `stages.detect` and `detected`
 // of the report.

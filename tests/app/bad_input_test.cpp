@@ -465,6 +465,22 @@ TEST_F(BadInput, glass_of_no_transmittance) {
                   {"--glass", "models from files"});
 }
 
+TEST_F(BadInput, a_reflectance_of_a_sketch_or_of_one) {
+    const std::string sketch = HELIODON_TEST_DATA "/geometry/sketches/p04_L.json";
+    expectRefused("model " + sketch + " --reflectance 0.5 -o " + in("out.obj"),
+                  {"--reflectance", "models from files"});
+    expectRefused("model " + in("none.obj") + " --reflectance 1 -o " + in("out.obj"),
+                  {"--reflectance", "from 0 to 0.99"});
+}
+
+// What keeps a room with a sheet from closing is often glass that was read as a wall.
+TEST_F(BadInput, a_refusal_says_what_may_be_glass) {
+    writeText(in("m.mtl"), "newmtl wall\nKd 0.5\nnewmtl Window\nKd 0.5\nd 0.3\n");
+    writeText(in("m.obj"), "mtllib m.mtl\nv 0 0 0\nv 3 0 0\nv 3 3 0\nv 0 3 0\nv 0 0 3\nv 3 0 3\n"
+                           "usemtl wall\nf 1 2 3 4\nusemtl Window\nf 1 2 6 5\n");
+    expectRefused("model " + in("m.obj") + " -o " + in("out.obj"), {"m.obj:", "--glass", "Window=0.8"});
+}
+
 TEST_F(BadInput, what_was_assumed_is_not_said_before_what_is_wrong) {
     const std::string sketch = HELIODON_TEST_DATA "/geometry/sketches/p04_L.json --triangles 100 ";
     expectRefused("illuminance " + sketch + "--sky cie:99 -o " + in("out.csv"), {"--sky", "cie:99"});

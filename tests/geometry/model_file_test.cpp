@@ -137,7 +137,7 @@ TEST_F(ModelFile, materials_are_read_and_unknown_keys_ignored) {
 TEST_F(ModelFile, glass_by_name_whatever_the_file_says) {
     write("m.mtl", "newmtl wall\nKd 0.5\nnewmtl pane\nKd 0.9\nNi 1\nd 0.2\n");
     const std::string file = write("m.obj", "mtllib m.mtl\n" + kSquare + "usemtl pane\nf 1 2 3\n");
-    const std::vector<Glazing> green{{"pane", {0.5, 0.75, 0.5}}}, other{{"window", {0.5, 0.5, 0.5}}};
+    const GivenMaterials green{{{"pane", {0.5, 0.75, 0.5}}}, {}}, other{{{"window", {0.5, 0.5, 0.5}}}, {}};
     EXPECT_FALSE(readPatches(file).materials[1].isOpening());
     const Material glass = readPatches(file, UpAxis::y, green).materials[1];
     EXPECT_EQ(glass.transmittance, glm::vec3(0.5f, 0.75f, 0.5f));
@@ -151,6 +151,23 @@ TEST_F(ModelFile, glass_by_name_whatever_the_file_says) {
     }
 }
 
+// Models are often passed on without their .mtl, and white is written as 1.
+TEST_F(ModelFile, a_reflectance_for_what_the_file_does_not_define) {
+    write("white.mtl", "newmtl white\nKd 1 0.5 0.25\nnewmtl pane\nKd 1 1 1\nTf 0.8 0.8 0.8\n");
+    const std::string file = write("m.obj", "mtllib gone.mtl\nmtllib white.mtl\n" + kSquare +
+                                                "usemtl white\nf 1 2 3\nusemtl brick\nf 1 3 4\nusemtl pane\n"
+                                                "f 2 3 4\nusemtl window\nf 1 2 4\n");
+    const std::vector<Glazing> panes{{"pane", glm::vec3(0.7f)}, {"window", glm::vec3(0.9f)}};
+    const PatchMesh mesh = readPatches(file, UpAxis::y, {panes, 0.8f});
+    const auto of = [&](size_t patch) { return mesh.materials[mesh.material[patch]]; };
+    EXPECT_EQ(of(0).reflectance, glm::vec3(0.8f, 0.4f, 0.2f));
+    EXPECT_EQ(of(1).reflectance, glm::vec3(0.8f));
+    EXPECT_EQ(of(2).transmittance, glm::vec3(0.7f));
+    EXPECT_EQ(of(3).transmittance, glm::vec3(0.9f));
+    for (const GivenMaterials& few : {GivenMaterials{panes, {}}, {{panes[0]}, {}}, {{panes[1]}, 0.8f}})
+        EXPECT_THROW(readPatches(file, UpAxis::y, few), InputError);
+}
+
 TEST_F(ModelFile, a_face_of_no_material_is_grey) {
     const PatchMesh mesh = readPatches(write("m.obj", kSquare + "usemtl \nf 1 2 3\n"));
     EXPECT_EQ(mesh.materials[mesh.material[0]].reflectance, glm::vec3(0.5f));
@@ -160,8 +177,9 @@ TEST_F(ModelFile, what_the_format_allows_but_few_programs_write) {
     write("a.mtl", "\xEF\xBB\xBFnewmtl a\nKd 0.25\n");
     write("b c.mtl", "newmtl b\rKd +0.5 5e-1 .5\r"); // lines of an old Mac
     const std::string square = "\xEF\xBB\xBFmtllib a.mtl b.mtl\n" + kSquare;
-    EXPECT_EQ(refusal("mtllib a.mtl b c.mtl\n" + kSquare),
-              "m.obj:1: mtllib \"a.mtl b c.mtl\" does not exist, expected materials (.mtl)");
+    EXPECT_EQ(refusal("mtllib a.mtl b c.mtl\n" + kSquare + "f 1 2 3\n")
+                  .rfind("m.obj:1: mtllib \"a.mtl b c.mtl\" ", 0),
+              0u);
     write("b.mtl", "newmtl b\nKd 0.5 0.5 0.5\n");
     const PatchMesh mesh = readPatches(write("m.obj", square + "usemtl a\nf 1 2 3\nusemtl b\nf 1 3 4\n"));
     ASSERT_EQ(mesh.materials.size(), 2u);
@@ -272,7 +290,10 @@ TEST_F(ModelFile, unphysical_materials_are_named_by_line) {
         return refusal("mtllib m.mtl\n" + kSquare + "f 1 2 3\n");
     };
     EXPECT_EQ(withMtl("newmtl a\nKd 1 0 0\n"),
-              "m.mtl:2: material \"a\": reflectance (Kd) is 1, expected 0 to below 1 (white paint: 0.85)");
+              "m.mtl:2: material \"a\": reflectance (Kd) is 1, expected 0 to below 1 (white paint: 0.85, as "
+              "which --reflectance 0.85 takes it)");
+    EXPECT_EQ(withMtl("newmtl a\nKd -1 0 0\n"),
+              "m.mtl:2: material \"a\": reflectance (Kd) is -1, expected 0 to below 1 (white paint: 0.85)");
     EXPECT_EQ(withMtl("newmtl a\nKe 1e30 0 0\n"),
               "m.mtl:2: material \"a\": exitance (Ke) is 1e+30, expected 0 to 1e+10 lux");
     EXPECT_EQ(withMtl("newmtl a\nKd nan 0 0\n"),
@@ -286,10 +307,14 @@ TEST_F(ModelFile, unphysical_materials_are_named_by_line) {
         "m.mtl:4: material \"a\": reflectance 0.8 and transmittance (Tf) 1 add up to more than 1; an opaque "
         "material has no Tf");
     EXPECT_EQ(withMtl("Kd 0 0 0\n"), "m.mtl:1: Kd stands before any newmtl");
-    EXPECT_EQ(refusal("# no\nmtllib missing.mtl\n"),
-              "m.obj:2: mtllib \"missing.mtl\" does not exist, expected materials (.mtl)");
+    const std::string triangle = kSquare + "f 1 2 3\n";
+    EXPECT_EQ(refusal("# no\nmtllib missing.mtl\n" + triangle),
+              "m.obj:2: mtllib \"missing.mtl\" does not exist, expected materials (.mtl); --reflectance 0.5 "
+              "takes them as grey, --glass MATERIAL=0.8 one as glass");
     EXPECT_EQ(refusal("mtllib\n"), "m.obj:1: mtllib without a name");
-    EXPECT_EQ(refusal("usemtl red\n"), "m.obj:1: material \"red\" is not defined in any mtllib");
+    EXPECT_EQ(refusal("usemtl red\n" + triangle),
+              "m.obj:1: material \"red\" is not defined in any mtllib; --reflectance 0.5 takes it as grey, "
+              "--glass \"red=0.8\" as glass");
 }
 
 TEST_F(ModelFile, cut_short_at_any_byte_never_reads_past_the_end) {
