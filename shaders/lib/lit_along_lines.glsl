@@ -1,10 +1,43 @@
-// How much of a convex polygon is seen from a point past a crowd of convex blockers, along lines across it that lie in
-// strips of equal width, jittered. Exact borders (visible_polygon.glsl) cost the square of the shadows' lines, this one
-// walk along the blockers. Needs visible_polygon.glsl (the piece and its frame), hidden_stretches.glsl and the buffer
-// `lists`.
+// How much of a convex polygon is seen from a point past a crowd of convex blockers, along lines across it, jittered.
+// Strips are about equally wide as the point sees them, and so are the bits of a line: of a wall before which it stands
+// nearly all that it sees lies about its foot. Exact borders (visible_polygon.glsl) cost the square of the shadows'
+// lines, this one walk along the blockers. Needs visible_polygon.glsl (the piece and its frame), hidden_stretches.glsl
+// and the buffer `lists`.
 #ifndef LIT_ALONG_LINES_GLSL
 #define LIT_ALONG_LINES_GLSL
 #include "shaders/lib/constants.glsl"
+
+// Places on a straight line that a point sees, by the tangent of half the angle from where the line is nearest to it.
+struct Angles {
+    vec4 start, distance; // of the first place from there; of the line
+    vec4 first, range;    // of the tangent
+};
+
+vec4 tangentOf(vec4 place, vec4 distance) { return place / (distance + sqrt(distance * distance + place * place)); }
+
+// Lines nearer than this part of what is seen count as so near, or float32 would know nothing of the far end; from
+// places that the point sees under less than kSmall, all are alike.
+const float kNearest = 1e-4, kSmall = 1e-3;
+
+Angles anglesOf(vec4 start, vec4 reach, vec4 distance) {
+    distance = max(max(distance, kNearest * max(abs(start), abs(start + reach))), vec4(kTiny));
+    vec4 first = tangentOf(start, distance), range = tangentOf(start + reach, distance) - first;
+    bvec4 small = lessThan(range, vec4(kSmall));
+    start = mix(start, vec4(0.0), small);
+    distance = mix(distance, max(reach / kSmall, vec4(kTiny)), small);
+    first = tangentOf(start, distance);
+    return Angles(start, distance, first, max(tangentOf(start + reach, distance) - first, vec4(kTiny)));
+}
+
+// From 0 to 1 in steps that look even.
+vec4 evenly(Angles s, vec4 along) { return (tangentOf(s.start + along, s.distance) - s.first) / s.range; }
+
+// And back: how far from the start, and how much farther for a little more.
+vec4 alongOf(Angles s, vec4 even, out vec4 growth) {
+    vec4 tangent = s.first + even * s.range, rest = 1.0 - tangent * tangent;
+    growth = 2.0 * s.distance * s.range * (1.0 + tangent * tangent) / (rest * rest);
+    return 2.0 * s.distance * tangent / rest - s.start;
+}
 
 // Both ends of four lines, in the piece's plane.
 struct Chords {
@@ -47,7 +80,7 @@ void narrowBy(inout Stretches s, Frame f, Chords c, vec3 normal, float offset) {
 
 // What any of the listed blockers hides of the lines from a point. Four corners a turn, whosever they are: turns are
 // few on some devices (loop_limit.glsl).
-uvec4 hiddenOf(Frame f, Origin o, vec3 point, uint listed, Chords c, vec4 jitter) {
+uvec4 hiddenOf(Frame f, Origin o, vec3 point, uint listed, Chords c, vec4 chord, Angles looks, vec4 jitter) {
     uvec4 hidden = uvec4(0u);
     vec3 toFrame = f.origin - point, k0 = vec3(0.0);
     Face blocker;
@@ -73,6 +106,7 @@ uvec4 hiddenOf(Frame f, Origin o, vec3 point, uint listed, Chords c, vec4 jitter
         }
         corner += 4u;
         if (corner >= blocker.count) {
+            s = Stretches(evenly(looks, s.from * chord), evenly(looks, s.to * chord));
             hidden |= edgeOn ? uvec4(0u) : bitsOf(s, jitter);
             corner = 0u;
             ++m;
@@ -85,13 +119,19 @@ uvec4 hiddenOf(Frame f, Origin o, vec3 point, uint listed, Chords c, vec4 jitter
 // `inner` is the piece's number: pairs that share a point must not err alike.
 float litShareAlongLines(Frame f, Origin o, vec3 point, vec3 normal, uint inner, uint listed,
                          uint fours) {
-    vec2 along = longest(), across = vec2(-along.y, along.x), range = vec2(kHuge, -kHuge);
-    NO_UNROLL for (int k = 0; k < pieceCorners; ++k)
-        range = vec2(min(range.x, dot(across, piece[k])), max(range.y, dot(across, piece[k])));
+    vec2 along = longest(), across = vec2(-along.y, along.x), range = vec2(kHuge, -kHuge), reach = range;
+    NO_UNROLL for (int k = 0; k < pieceCorners; ++k) {
+        float a = dot(along, piece[k]), h = dot(across, piece[k]);
+        reach = vec2(min(reach.x, a), max(reach.y, a));
+        range = vec2(min(range.x, h), max(range.y, h));
+    }
     uint seed = hashOf(floatBitsToUint(point.x) ^
                        hashOf(floatBitsToUint(point.y) ^ hashOf(floatBitsToUint(point.z) ^ hashOf(inner))));
     vec3 away = f.origin - point;
-    float lit = 0.0, all = 0.0, flat_ = dot(f.n, away);
+    vec2 foot = -vec2(dot(away, f.u), dot(away, f.v));
+    float lit = 0.0, all = 0.0, flat_ = dot(f.n, away), footAlong = dot(along, foot), footAcross = dot(across, foot);
+    float beside = max(0.0, max(reach.x - footAlong, footAlong - reach.y));
+    Angles strips = anglesOf(vec4(range.x - footAcross), vec4(range.y - range.x), vec4(length(vec2(flat_, beside))));
     float start = unitOf(hashOf(seed ^ 0x9e3779b9u));
     uint four = 0u;
     [[dont_unroll]] do {
@@ -100,17 +140,20 @@ float litShareAlongLines(Frame f, Origin o, vec3 point, vec3 normal, uint inner,
         // Against one another, so that what changes linearly across the strips is exact.
         vec4 strip = 4.0 * float(four) + vec4(0.0, 1.0, 2.0, 3.0) + vec4(u, 1.0 - u, 1.0 - u, u);
         vec4 jitter = fract(start + kGolden * (4.0 * float(four) + vec4(0.0, 1.0, 2.0, 3.0)));
-        Chords c = chordsAt(along, mix(vec4(range.x), vec4(range.y), strip / (4.0 * float(fours))));
-        uvec4 hidden = hiddenOf(f, o, point, four < fours ? listed : 0u, c, jitter);
-        vec4 dx = c.toX - c.fromX, dy = c.toY - c.fromY, chord = sqrt(dx * dx + dy * dy);
+        vec4 wide, growth;
+        vec4 height = min(range.x + alongOf(strips, strip / (4.0 * float(fours)), wide), vec4(range.y));
+        Chords c = chordsAt(along, height);
+        vec4 dx = c.toX - c.fromX, dy = c.toY - c.fromY, chord = sqrt(dx * dx + dy * dy), h = height - footAcross;
+        Angles looks = anglesOf(c.fromX * along.x + c.fromY * along.y - footAlong, chord, sqrt(flat_ * flat_ + h * h));
+        uvec4 hidden = hiddenOf(f, o, point, four < fours ? listed : 0u, c, chord, looks, jitter);
         uint bit = 0u;
         [[dont_unroll]] do { // two bits at a time
-            float t = (float(bit) + 1.0) / 32.0;
-            vec4 x = c.fromX + t * dx, y = c.fromY + t * dy;
+            vec4 t = alongOf(looks, vec4((float(bit) + 1.0) / 32.0), growth);
+            vec4 x = c.fromX + t * along.x, y = c.fromY + t * along.y;
             vec4 px = away.x + x * f.u.x + y * f.v.x, py = away.y + x * f.u.y + y * f.v.y,
                  pz = away.z + x * f.u.z + y * f.v.z;
             vec4 r2 = px * px + py * py + pz * pz;
-            vec4 w = chord * max(vec4(0.0), normal.x * px + normal.y * py + normal.z * pz) * abs(flat_) /
+            vec4 w = wide * growth * max(vec4(0.0), normal.x * px + normal.y * py + normal.z * pz) * abs(flat_) /
                      max(r2 * r2, vec4(kTiny));
             if (four < fours) all += 2.0 * dot(w, vec4(1.0));
             if (four < fours) lit += dot(w, 2.0 - vec4(bitCount(hidden >> bit & 3u)));

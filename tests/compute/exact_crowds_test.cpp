@@ -229,6 +229,34 @@ TEST(ExactCrowds, no_light_is_lost_or_won_among_posts) {
     }
 }
 
+// Boards in rows across a room of six faces: of a wall beside them each sees what is about its foot, which equal
+// strips of the whole wall passed by (rows off by 0.1).
+TEST(ExactCrowds, walls_are_seen_where_boards_stand_near_them) {
+    geometry::PatchMesh mesh =
+        test::boxRoom({.low = {0, 0, 0}, .high = {6, 3, 4}, .cells = {1, 1, 1}, .triangles = false});
+    const size_t room = mesh.corners.size();
+    for (int level = 0; level < 2; ++level)
+        for (int row = 0; row < 4; ++row)
+            for (int i = 0; i < 5; ++i) {
+                const dvec3 low(0.01 + 0.3 * i, 0.5 + 1.1 * level, 0.01 + 1.22 * row);
+                test::addBox(mesh, {.low = low,
+                                    .high = low + dvec3(0.02, 0.2, 0.3),
+                                    .cells = {1, 1, 1},
+                                    .triangles = false});
+            }
+    std::reverse(mesh.corners.begin() + static_cast<long>(room), mesh.corners.end()); // boards face outwards
+    const size_t n = mesh.patchCount();
+    const std::vector<float> F = matrixOf(mesh, {.maxError = 5e-3});
+    double squares = 0;
+    for (size_t i = 0; i < n; ++i) {
+        double sum = -1;
+        for (size_t j = 0; j < n; ++j) sum += double{F[i * n + j]};
+        EXPECT_NEAR(sum, 0, 2e-2) << i;
+        squares += sum * sum;
+    }
+    EXPECT_LT(std::sqrt(squares / static_cast<double>(n)), 4e-3);
+}
+
 geometry::PatchMesh roomWithSlab(bool triangles) {
     geometry::PatchMesh mesh =
         test::boxRoom({.low = {0, 0, 0}, .high = {4, 3, 4}, .cells = {4, 3, 4}, .triangles = triangles});
