@@ -38,7 +38,8 @@ constexpr double kQuickFrom = 3e-5; // row error from which four points settle m
 constexpr double kLinesFrom = 3e-5; // and from which lines across far pieces cost less than exact borders
 constexpr double kCutsFrom = 1e-4;  // and down from which large patches behind crowds are cut
 constexpr uint32_t kLineLevels = 3; // halvings of a piece in exact_lines.comp
-// Of single entries over what cells behind crowds err by, each by itself, as they estimate it.
+// Of single entries over what cells behind crowds err by, each by itself, as they estimate it; of single rows,
+// of which few such entries may be nearly all.
 constexpr double kCrowdEntries = 2.6;
 constexpr double kRowCaution = 1.3; // of single rows over their estimates, so that 99 of 100 hold (measured)
 
@@ -56,6 +57,7 @@ public:
         makeBuffers(storage);
         statistics.blockers = scene_.blockerCount;
         rowSquares_.assign(scene_.patchCount, 0.0);
+        cautiousSquares_.assign(scene_.patchCount, 0.0);
         if (options.entryErrors) entrySquares_.assign(size_t{scene_.patchCount} * scene_.patchCount, 0.0f);
         for (const ExactScene::Covered& c : scene_.covered) {
             claimCovered(c.first, c.second, c.passes);
@@ -66,6 +68,8 @@ public:
     const ExactScene& scene() const { return scene_; }
     // Of patches' rows, the squared norms of their estimated errors.
     const std::vector<double>& rowSquares() const { return rowSquares_; }
+    // The same of each row by itself.
+    const std::vector<double>& cautiousSquares() const { return cautiousSquares_; }
     // Of what was integrated; far pairs in the open, which were held to the tolerance, are left at zero.
     std::vector<float> takeEntryErrors() {
         for (float& square : entrySquares_) square = std::sqrt(square);
@@ -437,6 +441,7 @@ private:
         const float share = scene_.shareOfPatch[from];
         const double ofEntry = crowd ? kCrowdEntries * error : error;
         rowSquares_[patch] += error * error * double{share};
+        cautiousSquares_[patch] += ofEntry * ofEntry * double{share};
         if (entrySquares_.empty()) return;
         const float most = (static_cast<float>(ofEntry) + tolerance_) * share;
         entrySquares_[size_t{patch} * scene_.patchCount + scene_.pieces[to].patch] += most * most;
@@ -445,6 +450,7 @@ private:
     void claimCovered(uint32_t from, uint32_t to, double passes) {
         const double error = passes / scene_.patchArea[from];
         rowSquares_[from] += error * error;
+        cautiousSquares_[from] += error * error;
         if (!entrySquares_.empty())
             entrySquares_[size_t{from} * scene_.patchCount + to] += static_cast<float>(error * error);
     }
@@ -461,7 +467,7 @@ private:
     Stopwatch watch_;
     PartsForecast tiles_;
     double longestTold_ = 0; // seconds, in all
-    std::vector<double> rowSquares_;
+    std::vector<double> rowSquares_, cautiousSquares_;
     std::vector<float> entrySquares_; // n x n: of entries' errors
 };
 
@@ -471,7 +477,7 @@ void report(const Solver& solver, const ExactOptions& options, ExactFormFactors&
     const ExactStatistics& s = result.statistics = solver.statistics;
     double squares = 0;
     for (size_t i = 0; i < scene.patchCount; ++i) {
-        result.rowError[i] = static_cast<float>(kRowCaution * std::sqrt(solver.rowSquares()[i]));
+        result.rowError[i] = static_cast<float>(kRowCaution * std::sqrt(solver.cautiousSquares()[i]));
         squares += solver.rowSquares()[i];
     }
     report.claimedRowError = std::sqrt(squares / std::max(1.0, static_cast<double>(scene.patchCount)));
