@@ -12,8 +12,6 @@
 #include <glm/geometric.hpp>
 
 #include "compute/closed_solid.h"
-#include "compute/contour_exchange.h"
-#include "compute/convex_regions.h"
 #include "compute/exact_form_factors.h"
 #include "compute/gpu/device.h"
 #include "compute/hemicube.h"
@@ -21,10 +19,9 @@
 #include "compute/hierarchical.h"
 #include "compute/kernel_choice.h"
 #include "compute/monte_carlo.h"
-#include "compute/narrow_gaps.h"
 #include "compute/parallel.h"
+#include "compute/row_claims.h"
 #include "compute/stopwatch.h"
-#include "geometry/bounds.h"
 #include "geometry/input_error.h"
 #include "geometry/outline_area.h"
 
@@ -37,6 +34,9 @@ constexpr uint32_t kStreamedRows = 256;
 constexpr uint32_t kSamples = 32, kSampledTogether = 8; // rows by which a stream's rays are chosen
 constexpr double kBelowAsked = 0.9;                     // of the sample, so that all rows are below too
 constexpr double kMargin = 1.5; // over what was asked, that claims of all but `exact` may have without a word
+constexpr double kMarginOfExact = 5;
+// Of `auto`: about the least row error that all rays reach; how much finer visible polygons are asked again.
+constexpr double kLeastOfRays = 2e-3, kFinerExact = 1.0 / 3;
 
 // How many times the rays bring `claimed` to `wanted`: a kernel's error falls about with their 0.6th power.
 double moreRays(double claimed, double wanted) {
@@ -266,6 +266,13 @@ FormFactors factorsOf(gpu::Device& device, const geometry::PatchMesh& mesh, cons
     refuse(choice.kernel);
 }
 
+// What a kernel's claim may have over what was asked. Claims lie above the errors: in rooms with a reference
+// those of `exact` by 3 to 13 times, others by up to 2, of scenes hard for the hemicube its own by up to 5.
+// Where `exact` has rows above one (only then it claims anything of sums) its errors are as large as that.
+double marginOf(const FormFactorReport& report, const std::string& kernel) {
+    return kernel == "exact" && report.claimedRowSumError == 0 ? kMarginOfExact : kMargin;
+}
+
 // Of `auto`, where visible polygons cannot be found.
 void leaveToLinks(KernelChoice& choice) {
     choice.kernel = "hierarchical";
@@ -295,6 +302,65 @@ FormFactors factorsOfAuto(gpu::Device& device, const geometry::PatchMesh& mesh,
     }
 }
 
+// With the claims that only the finished matrix allows.
+void measure(const geometry::PatchMesh& mesh, const std::string& kernel, FormFactors& factors) {
+    measureFormFactors(mesh, factors.values, factors.report);
+    if (kernel == "montecarlo") claimWhatRaysMiss(mesh, factors.report);
+}
+
+bool keepsRows(const FormFactors& factors, const KernelChoice& choice, double asked) {
+    return factors.report.claimedRowError <= marginOf(factors.report, choice.kernel) * asked;
+}
+
+// What may keep the rows that `choice` has not kept: nothing where faces lie in one place, since who gets
+// their light is not defined.
+std::vector<KernelChoice> alternativesTo(const KernelChoice& choice, const FormFactors& missed,
+                                         const geometry::PatchMesh& mesh) {
+    std::vector<KernelChoice> others;
+    if (!patchesInOnePlace(mesh).empty()) return others;
+    KernelChoice other = choice;
+    other.kernel = "montecarlo";
+    if (choice.kernel != other.kernel && choice.maxError >= kLeastOfRays) others.push_back(other);
+    other.kernel = "exact";
+    other.maxError = std::max(kFinerExact * choice.maxError, 1e-7);
+    if (choice.kernel == other.kernel && missed.report.claimedRowSumError == 0) others.push_back(other);
+    return others;
+}
+
+// Of `auto`, where an error was asked of the matrix that its measured claim lies above: the least claim of
+// what there is, and a warning where none keeps it. False where nothing lacks.
+bool goOnWhereMissed(gpu::Device& device, const geometry::PatchMesh& mesh, const FormFactorOptions& options,
+                     KernelChoice& choice, FormFactors& factors) {
+    const double asked = choice.maxError;
+    if (options.forLight || !(options.maxError > 0 || options.maxRadiosityError > 0) ||
+        keepsRows(factors, choice, asked))
+        return false;
+    const auto claimOf = [](const KernelChoice& of, const FormFactors& made) {
+        return fmt::format("{} {:.2g}", of.kernel, made.report.claimedRowError);
+    };
+    std::string claims = claimOf(choice, factors);
+    for (KernelChoice& other : alternativesTo(choice, factors, mesh)) {
+        FormFactors made;
+        try {
+            made = factorsOf(device, mesh, options, other);
+        } catch (const TooManyBlockers&) { // which finer errors may meet first
+            continue;
+        }
+        measure(mesh, other.kernel, made);
+        claims += ", " + claimOf(other, made);
+        if (made.report.claimedRowError >= factors.report.claimedRowError) continue;
+        factors = std::move(made);
+        choice = other;
+        if (keepsRows(factors, choice, asked)) break;
+    }
+    choice.why += fmt::format("; rows are claimed within {} where {:.2g} was asked for: {} it is", claims, asked,
+                              choice.kernel);
+    if (!keepsRows(factors, choice, asked))
+        choice.missed = fmt::format("no kernel keeps the row error of {:.2g} that was asked for; claimed are {}",
+                                    asked, claims);
+    return true;
+}
+
 FormFactorReport tilesOf(gpu::Device& device, const geometry::PatchMesh& mesh,
                          const FormFactorOptions& options, const KernelChoice& choice, const TakeTile& take) {
     if (choice.kernel == "exact")
@@ -310,134 +376,6 @@ FormFactorReport tilesOf(gpu::Device& device, const geometry::PatchMesh& mesh,
     }
     if (choice.kernel == "montecarlo") return monteCarloRows(device, mesh, options, choice.maxError, take);
     refuse(choice.kernel);
-}
-
-// No patch sends more than all of its light: what a row has above one is an error, whatever its kernel
-// claims. Sums may be off by more than their row as long as errors of entries are alike; beyond that the
-// claims grow.
-void claimExcess(std::span<const double> rowSums, FormFactorReport& report) {
-    constexpr double kRounding = 1e-5;
-    const double likely =
-        std::max({kSumOverRow * report.claimedRowError, report.claimedRowSumError, kRounding});
-    double squares = 0, worst = 0;
-    size_t rows = 0;
-    for (double sum : rowSums)
-        if (sum - 1 > likely) {
-            squares += (sum - 1) * (sum - 1);
-            worst = std::max(worst, sum - 1);
-            ++rows;
-        }
-    if (rows == 0) return;
-    report.claimedRowError =
-        std::hypot(report.claimedRowError, std::sqrt(squares / static_cast<double>(rowSums.size())));
-    report.claimedRowSumError = std::max(report.claimedRowSumError, worst);
-    report.warnings.push_back(fmt::format(
-        "the form factors of {} patch{} sum to more than one, by up to {:.2g}: of patches much smaller than "
-        "others, or where faces nearly or wholly lie in one place",
-        rows, rows == 1 ? "" : "es", worst));
-}
-
-// Which of faces in one place light meets is not defined: kernels give it to one, to each or in parts, so
-// that an entry may be off by all that they get together.
-void claimDuplicates(const geometry::PatchMesh& mesh, std::span<const float> F, FormFactorReport& report) {
-    const size_t n = mesh.patchCount();
-    const std::vector<std::vector<uint32_t>> groups = patchesInOnePlace(mesh);
-    if (groups.empty()) return;
-    double squares = 0;
-    for (const std::vector<uint32_t>& group : groups) {
-        for (size_t i = 0; i < n; ++i) {
-            double together = 0;
-            for (uint32_t j : group) together += double{F[i * n + j]};
-            squares += static_cast<double>(group.size() - 1) * together * together;
-        }
-        // Their own rows are parted alike, by what light sees of each.
-        for (uint32_t i : group)
-            for (size_t j = 0; j < n; ++j) squares += std::pow(double{F[i * n + j]}, 2);
-    }
-    report.claimedRowError = std::hypot(report.claimedRowError, std::sqrt(squares / static_cast<double>(n)));
-}
-
-// Rays begin and end at planes to within float32's rounding of the scene: of faces nearer to one another they
-// leave one and miss the other, so that what lies under a neighbour may lose all its light.
-void claimGapsThatRaysMiss(const geometry::PatchMesh& mesh, FormFactorReport& report) {
-    std::vector<double> covered(mesh.patchCount(), 0.0);
-    double widest = 0;
-    for (const NarrowGaps::Overlap& overlap : narrowGaps(mesh, planeNumbers(mesh)).overlaps) {
-        const double area = overlap.area();
-        covered[overlap.first] += area, covered[overlap.second] += area;
-        widest = std::max(widest, overlap.gap);
-    }
-    double squares = 0;
-    for (size_t i = 0; i < covered.size(); ++i)
-        if (covered[i] > 0) squares += std::pow(covered[i] / geometry::patchArea(mesh, i), 2);
-    if (!(squares > 0)) return;
-    report.claimedRowError =
-        std::hypot(report.claimedRowError, std::sqrt(squares / static_cast<double>(covered.size())));
-    report.warnings.push_back(fmt::format(
-        "{} patches face others across gaps of at most {:.1g} m, which rays do not tell from none: light "
-        "between them is lost; --kernel exact or hierarchical keeps it",
-        std::ranges::count_if(covered, [](double area) { return area > 0; }), widest));
-}
-
-// And along the foot of a wall, where they take it for their own plane: a strip of each patch, along its
-// border, may lose what it sends there, half of its light.
-void claimFeetThatRaysMiss(const geometry::PatchMesh& mesh, FormFactorReport& report) {
-    const double strip = kMonteCarloInPlane * geometry::boundsOf(mesh.vertices).diagonal();
-    double squares = 0;
-    for (size_t i = 0; i < mesh.patchCount(); ++i) {
-        const double area = geometry::patchArea(mesh, i);
-        if (!(area > 0)) continue;
-        const double border = geometry::perimeter(geometry::patchCorners(mesh, i));
-        squares += std::pow(0.5 * std::min(strip * border / area, 1.0), 2);
-    }
-    report.claimedRowError =
-        std::hypot(report.claimedRowError, std::sqrt(squares / static_cast<double>(mesh.patchCount())));
-}
-
-void claimWhatRaysMiss(const geometry::PatchMesh& mesh, FormFactorReport& report) {
-    claimGapsThatRaysMiss(mesh, report);
-    claimFeetThatRaysMiss(mesh, report);
-}
-
-// What two faces lack that share an edge and open so little that float32 takes both planes for one: needles.
-void claimWedges(const geometry::PatchMesh& mesh, std::span<const float> F, FormFactorReport& report) {
-    constexpr double kFlat = 5e-7, kNothing = 1e-12; // of the scene
-    constexpr double kOpens = 0.99;                  // cosine between normals of what is no wall in pieces
-    const size_t n = mesh.patchCount();
-    const double size = geometry::boundsOf(mesh.vertices).diagonal();
-    std::map<std::array<double, 7>, uint32_t> byEdge;
-    const auto edgeOf = [&](size_t i, glm::dvec3 a, glm::dvec3 b) {
-        return std::array<double, 7>{1.0 * mesh.room[i], a.x, a.y, a.z, b.x, b.y, b.z};
-    };
-    const auto highest = [&](size_t plane, const std::vector<glm::dvec3>& corners) {
-        double height = 0;
-        for (const glm::dvec3& p : corners)
-            height = std::max(height, glm::dot(geometry::patchNormal(mesh, plane),
-                                               p - mesh.vertices[mesh.patch(plane)[0]]));
-        return height;
-    };
-    const auto flat = [&](double height) { return height > kNothing * size && height <= kFlat * size; };
-    double squares = 0;
-    for (uint32_t i = 0; i < n; ++i) {
-        const std::vector<glm::dvec3> own = geometry::patchCorners(mesh, i);
-        for (size_t k = 0; k < own.size(); ++k) {
-            const glm::dvec3 a = own[k], b = own[(k + 1) % own.size()];
-            byEdge.emplace(edgeOf(i, a, b), i);
-            const auto found = byEdge.find(edgeOf(i, b, a));
-            if (found == byEdge.end()) continue;
-            const uint32_t j = found->second;
-            if (!(geometry::patchArea(mesh, i) > 0) || !(geometry::patchArea(mesh, j) > 0) ||
-                glm::dot(geometry::patchNormal(mesh, i), geometry::patchNormal(mesh, j)) > kOpens)
-                continue;
-            const std::vector<glm::dvec3> other = geometry::patchCorners(mesh, j);
-            if (!flat(highest(i, other)) || !flat(highest(j, own))) continue;
-            const double exchange = contourExchange(own, other);
-            for (const auto& [p, q] : {std::pair(i, j), std::pair(j, i)})
-                squares += std::pow(
-                    std::max(0.0, exchange / geometry::patchArea(mesh, p) - double{F[p * n + q]}), 2);
-        }
-    }
-    report.claimedRowError = std::hypot(report.claimedRowError, std::sqrt(squares / static_cast<double>(n)));
 }
 
 void measureClosure(std::span<const double> rowSums, FormFactorReport& report) {
@@ -467,9 +405,7 @@ void explain(FormFactorReport& report, const FormFactorOptions& options, const K
     report.kernel = choice.kernel;
     if (!choice.why.empty()) report.why = choice.why + "; " + report.why;
     report.claimedRadiosityError = choice.amplification * report.claimedRowError;
-    // Claims lie above the errors: in rooms with a reference those of `exact` by 3 to 13 times, others by up
-    // to 2, of scenes hard for the hemicube its own by up to 5.
-    const double margin = report.kernel == "exact" ? 5 : kMargin;
+    const double margin = marginOf(report, report.kernel);
     const auto warnIfAbove = [&](const char* of, double claimed, double asked,
                                  const char* why = "was asked for") {
         if (asked > 0 && claimed > margin * asked)
@@ -477,7 +413,10 @@ void explain(FormFactorReport& report, const FormFactorOptions& options, const K
                                                   of, claimed, asked, why));
     };
     warnIfAbove("radiosity", report.claimedRadiosityError, options.maxRadiosityError);
-    warnIfAbove("rows", report.claimedRowError, options.maxError);
+    if (choice.missed.empty())
+        warnIfAbove("rows", report.claimedRowError, options.maxError);
+    else
+        report.warnings.push_back(choice.missed);
     if (report.kernel == "hierarchical")
         warnIfAbove("a row's sum", report.claimedRowSumError, kSumOverRow * options.maxError,
                     "is what such an error of rows leaves light that goes round");
@@ -550,9 +489,11 @@ FormFactors computeFormFactors(gpu::Device& device, const geometry::PatchMesh& m
     KernelChoice choice = chooseKernel(device, mesh, options);
     FormFactors result = options.kernel == "auto" ? factorsOfAuto(device, mesh, options, choice)
                                                   : factorsOf(device, mesh, options, choice);
-    result.report.seconds = watch.seconds();
-    measureFormFactors(mesh, result.values, result.report);
-    if (choice.kernel == "montecarlo") claimWhatRaysMiss(mesh, result.report);
+    double seconds = watch.seconds();
+    measure(mesh, choice.kernel, result);
+    if (options.kernel == "auto" && goOnWhereMissed(device, mesh, options, choice, result))
+        seconds = watch.seconds();
+    result.report.seconds = seconds;
     explain(result.report, options, choice);
     warnOfLostLight(mesh, result.report);
     return result;

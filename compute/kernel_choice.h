@@ -12,6 +12,7 @@ struct KernelChoice {
     double maxError = 0;      // of rows, to ask that kernel for; 0: as its other options say
     double ofLinks = 1;       // share of maxError to ask links for, so that they keep it
     double amplification = 0; // of rows' errors into radiosity; 0: not asked
+    std::string missed;       // once made: what was asked that no kernel kept, for a warning
 };
 
 // Of `auto` the kernel that gets there soonest on this kind of device, by what was measured (the table in

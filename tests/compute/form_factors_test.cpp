@@ -320,7 +320,7 @@ TEST(FormFactors, radiosity_keeps_the_error_asked_of_it) {
 
 // Bars 2 mm thick, 2 mm before a wall: of the rays between a bar's side and a patch of the wall hardly any is
 // as short as those along which both exchange what they do.
-TEST(FormFactors, auto_goes_on_with_visible_polygons_where_links_miss_what_was_asked) {
+geometry::PatchMesh barsBeforeAWall() {
     geometry::PatchMesh mesh = test::boxRoom({.low = {0, 0, 0}, .high = {4, 3, 4}, .cells = {2, 2, 2}});
     const size_t room = mesh.corners.size();
     for (int k = 0; k < 2; ++k)
@@ -328,11 +328,42 @@ TEST(FormFactors, auto_goes_on_with_visible_polygons_where_links_miss_what_was_a
             mesh,
             {.low = {0.5, 1 + 0.01 * k, 0.002}, .high = {3.5, 1.002 + 0.01 * k, 0.004}, .cells = {1, 1, 1}});
     std::reverse(mesh.corners.begin() + static_cast<long>(room), mesh.corners.end()); // boxes face outwards
-    const FormFactorReport report = computeFormFactors(test::device(), mesh, asking("auto", 6e-3)).report;
+    return mesh;
+}
+
+TEST(FormFactors, auto_goes_on_with_visible_polygons_where_links_miss_what_was_asked) {
+    const FormFactorReport report =
+        computeFormFactors(test::device(), barsBeforeAWall(), asking("auto", 6e-3)).report;
     EXPECT_EQ(report.kernel, "exact");
     EXPECT_LE(report.claimedRowError, 6e-3);
     EXPECT_NE(report.why.find("visible polygons instead"), std::string::npos) << report.why;
     EXPECT_TRUE(report.warnings.empty());
+}
+
+// The same where visible polygons cannot be found, either.
+TEST(FormFactors, auto_goes_on_with_rays_where_neither_links_nor_visible_polygons_do) {
+    FormFactorOptions options = asking("auto", 6e-3);
+    options.progress = [](double) { throw TooManyBlockers("too many"); };
+    const FormFactorReport report =
+        computeFormFactors(test::device(), barsBeforeAWall(), options).report;
+    EXPECT_EQ(report.kernel, "montecarlo") << report.why;
+    EXPECT_LE(report.claimedRowError, 6e-3);
+    EXPECT_NE(report.why.find("where 0.006 was asked for: montecarlo"), std::string::npos) << report.why;
+    EXPECT_TRUE(report.warnings.empty());
+}
+
+// Of faces in one place nobody knows who gets the light.
+TEST(FormFactors, auto_says_where_no_kernel_keeps_what_was_asked) {
+    geometry::PatchMesh mesh = test::boxRoom({.low = {0, 0, 0}, .high = {3, 3, 3}, .cells = {2, 2, 2}});
+    const size_t room = mesh.corners.size();
+    for (int twice = 0; twice < 2; ++twice)
+        test::addBox(mesh, {.low = {1, 0.5, 1}, .high = {2, 1, 2}, .cells = {1, 1, 1}});
+    std::reverse(mesh.corners.begin() + static_cast<long>(room), mesh.corners.end()); // facing outwards
+    const FormFactorReport report = computeFormFactors(test::device(), mesh, asking("auto", 5e-3)).report;
+    EXPECT_TRUE(std::ranges::any_of(report.warnings, [](const std::string& warning) {
+        return warning.find("no kernel keeps the row error of 0.005") != std::string::npos;
+    }));
+    EXPECT_NE(report.why.find("where 0.005 was asked for"), std::string::npos) << report.why;
 }
 
 // As they come in a unit cube, with corners about `size` around.

@@ -1,0 +1,23 @@
+// What a finished matrix shows of its errors that its kernel does not know of: each raises
+// FormFactorReport::claimedRowError, and warns where users can do something about it.
+#pragma once
+
+#include <span>
+
+#include "compute/form_factors.h"
+
+namespace heliodon::compute {
+
+// Rows that sum to more than one, beyond what is claimed of sums; `rowSums` has one a patch.
+void claimExcess(std::span<const double> rowSums, FormFactorReport& report);
+
+// Faces in one place (patchesInOnePlace); `F` is n x n, row-major. n a face.
+void claimDuplicates(const geometry::PatchMesh& mesh, std::span<const float> F, FormFactorReport& report);
+
+// Faces that share an edge and open by less than float32 tells from a plane. n log n.
+void claimWedges(const geometry::PatchMesh& mesh, std::span<const float> F, FormFactorReport& report);
+
+// Of `montecarlo`: narrow gaps, and strips along the feet of walls.
+void claimWhatRaysMiss(const geometry::PatchMesh& mesh, FormFactorReport& report);
+
+} // namespace heliodon::compute
