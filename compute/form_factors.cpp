@@ -473,6 +473,7 @@ void measureFormFactors(const geometry::PatchMesh& mesh, const gpu::Buffer& valu
     claimExcess(sums, report);
     claimDuplicates(mesh, {F.data(), n * n}, report);
     claimWedges(mesh, {F.data(), n * n}, report);
+    claimCrossings(mesh, {F.data(), n * n}, report);
     const double reciprocity = std::accumulate(squares.begin(), squares.end(), 0.0);
     const double pairs = 0.5 * static_cast<double>(n) * static_cast<double>(n - 1);
     report.reciprocityRms = std::sqrt(reciprocity / std::max(pairs, 1.0)) / (total / static_cast<double>(n));

@@ -73,6 +73,35 @@ double gapBetween(const Sheet& a, const Sheet& b, double widest) {
     return most <= widest ? std::min(overA, overB) : 0;
 }
 
+double areaOf(const Polygon& p) { return 0.5 * glm::length(geometry::areaVector(p)); }
+
+// What of `part` lies within `by`, both counter-clockwise about the normal; the rest is added to
+// `outside`.
+Polygon within(Polygon part, const Polygon& by, const dvec3& normal, double sliver,
+               std::vector<Polygon>& outside) {
+    Polygon beyond, inside;
+    const double shortest = kShort * geometry::boundsOf(by).diagonal();
+    for (size_t k = 0; k < by.size() && !part.empty(); ++k) {
+        const dvec3 edge = by[(k + 1) % by.size()] - by[k], inward = glm::cross(normal, edge);
+        if (glm::length(edge) <= shortest) continue;
+        const auto height = [&](const dvec3& p) { return glm::dot(inward, p - by[k]); };
+        geometry::clip<dvec3>(
+            part, [&](const dvec3& p) { return -height(p); }, beyond);
+        geometry::clip<dvec3>(part, height, inside);
+        if (areaOf(beyond) > sliver) outside.push_back(beyond);
+        part.swap(inside);
+    }
+    return part;
+}
+
+// Of two sheets in one plane, to within `widest`, that look opposite ways: patches need not.
+bool inOnePlane(const Sheet& a, const Sheet& b, double widest) {
+    const dvec3 d = b.centre - a.centre;
+    return a.room == b.room && glm::dot(a.normal, b.normal) < -kStraight &&
+           glm::length(d) <= a.radius + b.radius &&
+           std::max(std::abs(glm::dot(a.normal, d)), std::abs(glm::dot(b.normal, d))) <= widest;
+}
+
 class Cutter {
 public:
     Cutter(const geometry::PatchMesh& mesh, NarrowGaps& gaps) : mesh_(mesh), gaps_(gaps) {}
@@ -95,27 +124,6 @@ private:
         return found != gaps_.open.end() ? found->second
                                          : std::vector<Polygon>{geometry::patchCorners(mesh_, patch)};
     }
-
-    // What of `part` lies within `by`, both counter-clockwise about the normal; the rest is added to
-    // `outside`.
-    static Polygon within(Polygon part, const Polygon& by, const dvec3& normal, double sliver,
-                          std::vector<Polygon>& outside) {
-        Polygon beyond, inside;
-        const double shortest = kShort * geometry::boundsOf(by).diagonal();
-        for (size_t k = 0; k < by.size() && !part.empty(); ++k) {
-            const dvec3 edge = by[(k + 1) % by.size()] - by[k], inward = glm::cross(normal, edge);
-            if (glm::length(edge) <= shortest) continue;
-            const auto height = [&](const dvec3& p) { return glm::dot(inward, p - by[k]); };
-            geometry::clip<dvec3>(
-                part, [&](const dvec3& p) { return -height(p); }, beyond);
-            geometry::clip<dvec3>(part, height, inside);
-            if (areaOf(beyond) > sliver) outside.push_back(beyond);
-            part.swap(inside);
-        }
-        return part;
-    }
-
-    static double areaOf(const Polygon& p) { return 0.5 * glm::length(geometry::areaVector(p)); }
 
     void cut(uint32_t i, uint32_t j, const dvec3& normal, double gap) {
         const double sliver =
@@ -173,6 +181,65 @@ NarrowGaps narrowGaps(const geometry::PatchMesh& mesh, std::span<const uint32_t>
     Cutter cutter(mesh, gaps);
     for (const Facing& pair : facing) cutter.cut(*pair.a, *pair.b, pair.gap);
     return gaps;
+}
+
+std::vector<NarrowGaps::Overlap> crossedGaps(const geometry::PatchMesh& mesh,
+                                             std::span<const uint32_t> plane) {
+    std::vector<NarrowGaps::Overlap> overlaps;
+    const geometry::Bounds box = geometry::boundsOf(mesh.vertices);
+    if (!(box.diagonal() > 0)) return overlaps;
+    const std::vector<Sheet> sheets = sheetsOf(mesh, plane, box);
+    const double widest = kOnePlane * box.diagonal();
+    struct Patch {
+        Polygon corners;
+        dvec3 normal{0};
+        geometry::Bounds box;
+    };
+    const auto patchesOf = [&](const Sheet& sheet) {
+        std::vector<Patch> patches;
+        for (uint32_t i : sheet.patches) {
+            Polygon corners = geometry::patchCorners(mesh, i);
+            const geometry::Bounds bounds = geometry::boundsOf(corners);
+            patches.push_back({std::move(corners), geometry::patchNormal(mesh, i), bounds});
+        }
+        return patches;
+    };
+    const auto heightOver = [](const Patch& from, const dvec3& p) {
+        return glm::dot(from.normal, p - from.corners[0]);
+    };
+    const auto highest = [&](const Patch& from, const Patch& patch) {
+        double height = -INFINITY;
+        for (const dvec3& p : patch.corners) height = std::max(height, heightOver(from, p));
+        return height;
+    };
+    for (const Sheet& a : sheets)
+        for (const Sheet& b : oppositeSheets(sheets, a)) {
+            if (!inOnePlane(a, b, widest) || gapBetween(a, b, widest) > 0) continue;
+            const double touching = kTouching * (a.radius + b.radius);
+            const std::vector<Patch> ours = patchesOf(a), theirs = patchesOf(b);
+            for (size_t p = 0; p < ours.size(); ++p)
+                for (size_t q = 0; q < theirs.size(); ++q) {
+                    const Patch &i = ours[p], &j = theirs[q];
+                    if (!glm::all(glm::lessThanEqual(i.box.low - widest, j.box.high)) ||
+                        !glm::all(glm::lessThanEqual(j.box.low - widest, i.box.high)))
+                        continue;
+                    const double gap = std::min(highest(i, j), highest(j, i));
+                    if (gap <= touching || gap > widest) continue;
+                    const double sliver = kSliver * std::min(geometry::patchArea(mesh, a.patches[p]),
+                                                             geometry::patchArea(mesh, b.patches[q]));
+                    Polygon mine, other;
+                    std::vector<Polygon> rest;
+                    geometry::clip<dvec3>(
+                        i.corners, [&](const dvec3& x) { return heightOver(j, x) - touching; }, mine);
+                    geometry::clip<dvec3>(
+                        j.corners, [&](const dvec3& x) { return heightOver(i, x) - touching; }, other);
+                    std::ranges::reverse(other);
+                    Polygon common = within(std::move(mine), other, i.normal, sliver, rest);
+                    if (!other.empty() && areaOf(common) > sliver)
+                        overlaps.push_back({a.patches[p], b.patches[q], std::move(common), gap});
+                }
+        }
+    return overlaps;
 }
 
 } // namespace heliodon::compute

@@ -39,4 +39,10 @@ struct NarrowGaps {
 NarrowGaps narrowGaps(const geometry::PatchMesh& mesh, std::span<const uint32_t> plane,
                       double ofFaces = std::numeric_limits<double>::infinity());
 
+// Of patches in one plane to within such a gap, but no two sheets a gap apart, as of a partition drawn twice and
+// a hair askew: where they face each other all the same, with the widest gap there. Patches may be covered more
+// than once. Cost: as narrowGaps.
+std::vector<NarrowGaps::Overlap> crossedGaps(const geometry::PatchMesh& mesh,
+                                             std::span<const uint32_t> plane);
+
 } // namespace heliodon::compute

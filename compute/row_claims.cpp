@@ -104,6 +104,25 @@ void claimDuplicates(const geometry::PatchMesh& mesh, std::span<const float> F, 
     report.claimedRowError = std::hypot(report.claimedRowError, std::sqrt(squares / static_cast<double>(n)));
 }
 
+void claimCrossings(const geometry::PatchMesh& mesh, std::span<const float> F, FormFactorReport& report) {
+    const size_t n = mesh.patchCount();
+    std::map<std::pair<uint32_t, uint32_t>, double> covered; // m2
+    for (const NarrowGaps::Overlap& overlap : crossedGaps(mesh, planeNumbers(mesh)))
+        for (const auto& pair : {std::pair(overlap.first, overlap.second), std::pair(overlap.second, overlap.first)})
+            covered[pair] += overlap.area();
+    if (covered.empty()) return;
+    double squares = 0;
+    for (const auto& [pair, area] : covered) {
+        const float* row = F.data() + pair.first * n;
+        const double lost = std::max(0.0, std::min(1.0, area / geometry::patchArea(mesh, pair.first)) -
+                                              double{row[pair.second]});
+        double rest = 0; // has what is lost
+        for (size_t j = 0; j < n; ++j) rest += std::pow(double{row[j]}, 2);
+        squares += lost * lost * (1 + rest);
+    }
+    report.claimedRowError = std::hypot(report.claimedRowError, std::sqrt(squares / static_cast<double>(n)));
+}
+
 void claimWhatRaysMiss(const geometry::PatchMesh& mesh, FormFactorReport& report) {
     claimGapsThatRaysMiss(mesh, report);
     claimFeetThatRaysMiss(mesh, report);

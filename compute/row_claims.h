@@ -17,6 +17,10 @@ void claimDuplicates(const geometry::PatchMesh& mesh, std::span<const float> F, 
 // Faces that share an edge and open by less than float32 tells from a plane. n log n.
 void claimWedges(const geometry::PatchMesh& mesh, std::span<const float> F, FormFactorReport& report);
 
+// What F has not of the light between sheets that cross (crossedGaps), which float32 takes for one plane: they
+// get the room's light instead.
+void claimCrossings(const geometry::PatchMesh& mesh, std::span<const float> F, FormFactorReport& report);
+
 // Of `montecarlo`: narrow gaps, and strips along the feet of walls.
 void claimWhatRaysMiss(const geometry::PatchMesh& mesh, FormFactorReport& report);
 

@@ -213,6 +213,31 @@ TEST(KernelChoice, curved_surfaces_are_left_to_links_sooner_while_their_pairs_ca
     EXPECT_NE(choice.why.find("few patches a plane"), std::string::npos);
 }
 
+// Two sheets, each of two sides, that cross by a micrometre: half of each faces the other across it, which float32
+// does not see. Both sides of one sheet exchange nothing.
+TEST(FormFactors, what_sheets_lose_that_cross_by_a_hair_is_claimed) {
+    for (const double askew : {1e-6, 0.0}) {
+        std::vector<std::vector<glm::dvec3>> faces;
+        const auto box = test::boxRoom({.low = {0, 0, 0}, .high = {4, 3, 4}, .cells = {1, 1, 1}});
+        for (size_t i = 0; i < box.patchCount(); ++i) faces.push_back(geometry::patchCorners(box, i));
+        for (const double end : askew > 0 ? std::vector{0.0, askew} : std::vector{0.0}) {
+            const std::vector<glm::dvec3> front{
+                {1, 1 + end, 1}, {1, 1 + end, 3}, {3, 1 - end, 3}, {3, 1 - end, 1}};
+            faces.push_back(front);
+            faces.emplace_back(front.rbegin(), front.rend());
+        }
+        const geometry::PatchMesh mesh = test::polygons(faces);
+        const auto n = static_cast<double>(mesh.patchCount());
+        for (const char* kernel : {"hemicube", "hierarchical", "montecarlo"}) {
+            const auto report = computeFormFactors(test::device(), mesh, asking(kernel, 1e-2)).report;
+            if (askew > 0)
+                EXPECT_GE(report.claimedRowError, std::sqrt(4 * 0.25 / n)) << kernel; // half of four rows
+            else
+                EXPECT_LE(report.claimedRowError, 2e-2) << kernel;
+        }
+    }
+}
+
 // 1 : 10000, sharing an edge at 0.1 degrees: the tips are 1.7e-7 apart, one plane to float32.
 TEST(FormFactors, what_needles_that_share_an_edge_lose_is_claimed) {
     const double angle = 0.1 * std::numbers::pi / 180, width = 1e-4;
