@@ -41,6 +41,9 @@ constexpr uint32_t kLineLevels = 3; // halvings of a piece in exact_lines.comp
 // Of single entries over what cells behind crowds err by, each by itself, as they estimate it; of single rows,
 // of which few such entries may be nearly all.
 constexpr double kCrowdEntries = 2.6;
+// Of the matrix: 3 to 13 times its error in rooms with a reference, 1.3 to 2 where this share of its square and
+// more is of crowds (160 and 624 boards).
+constexpr double kCaution = 5, kCrowdCaution = 1.5, kOfCrowds = 0.2;
 constexpr double kRowCaution = 1.3; // of single rows over their estimates, so that 99 of 100 hold (measured)
 
 class Solver {
@@ -70,6 +73,7 @@ public:
     const std::vector<double>& rowSquares() const { return rowSquares_; }
     // The same of each row by itself.
     const std::vector<double>& cautiousSquares() const { return cautiousSquares_; }
+    double crowdSquares() const { return crowdSquares_; }
     // Of what was integrated; far pairs in the open, which were held to the tolerance, are left at zero.
     std::vector<float> takeEntryErrors() {
         for (float& square : entrySquares_) square = std::sqrt(square);
@@ -441,6 +445,7 @@ private:
         const float share = scene_.shareOfPatch[from];
         const double ofEntry = crowd ? kCrowdEntries * error : error;
         rowSquares_[patch] += error * error * double{share};
+        if (crowd) crowdSquares_ += error * error * double{share};
         cautiousSquares_[patch] += ofEntry * ofEntry * double{share};
         if (entrySquares_.empty()) return;
         const float most = (static_cast<float>(ofEntry) + tolerance_) * share;
@@ -468,6 +473,7 @@ private:
     PartsForecast tiles_;
     double longestTold_ = 0; // seconds, in all
     std::vector<double> rowSquares_, cautiousSquares_;
+    double crowdSquares_ = 0; // of all rows, what pairs behind crowds have
     std::vector<float> entrySquares_; // n x n: of entries' errors
 };
 
@@ -481,6 +487,7 @@ void report(const Solver& solver, const ExactOptions& options, ExactFormFactors&
         squares += solver.rowSquares()[i];
     }
     report.claimedRowError = std::sqrt(squares / std::max(1.0, static_cast<double>(scene.patchCount)));
+    report.caution = solver.crowdSquares() > kOfCrowds * squares ? kCrowdCaution : kCaution;
     report.why = fmt::format("row error {:g} asked; {} blockers, {} pairs partly hidden, {} cells",
                              options.maxError, s.blockers, s.partial, s.cells);
     if (s.blockers == 0) report.skipped.emplace_back("occlusion: nothing can stand between two patches");

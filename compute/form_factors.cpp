@@ -34,7 +34,6 @@ constexpr uint32_t kStreamedRows = 256;
 constexpr uint32_t kSamples = 32, kSampledTogether = 8; // rows by which a stream's rays are chosen
 constexpr double kBelowAsked = 0.9;                     // of the sample, so that all rows are below too
 constexpr double kMargin = 1.5; // over what was asked, that claims of all but `exact` may have without a word
-constexpr double kMarginOfExact = 5;
 // Of `auto`: about the least row error that all rays reach; how much finer visible polygons are asked again.
 constexpr double kLeastOfRays = 2e-3, kFinerExact = 1.0 / 3;
 
@@ -266,11 +265,9 @@ FormFactors factorsOf(gpu::Device& device, const geometry::PatchMesh& mesh, cons
     refuse(choice.kernel);
 }
 
-// What a kernel's claim may have over what was asked. Claims lie above the errors: in rooms with a reference
-// those of `exact` by 3 to 13 times, others by up to 2, of scenes hard for the hemicube its own by up to 5.
 // Where `exact` has rows above one (only then it claims anything of sums) its errors are as large as that.
 double marginOf(const FormFactorReport& report, const std::string& kernel) {
-    return kernel == "exact" && report.claimedRowSumError == 0 ? kMarginOfExact : kMargin;
+    return kernel == "exact" && report.claimedRowSumError > 0 ? kMargin : report.caution;
 }
 
 // Of `auto`, where visible polygons cannot be found.

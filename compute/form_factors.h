@@ -63,6 +63,8 @@ struct FormFactorReport {
     // The kernel's own estimate of the RMS row error; of `hemicube`, `hierarchical` and `montecarlo`, which
     // sample theirs, its 99th percentile. 0 when it makes none.
     double claimedRowError = 0;
+    // How many times what was asked the claim may be before it counts as missed: claims lie above the errors.
+    double caution = 1.5;
     double claimedRadiosityError = 0; // what that gives of radiosity over its largest value, when asked for
     // Of `hierarchical` and `hemicube` (not streamed): what the worst row's sum may be off by; else 0. Both
     // claims are raised to what rows have above one, of any kernel, and a warning says so.
