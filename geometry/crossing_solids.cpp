@@ -12,9 +12,11 @@
 #include "geometry/box_tree.h"
 #include "geometry/disjoint_sets.h"
 #include "geometry/face_crossing.h"
+#include "geometry/face_cutting.h"
 #include "geometry/flat_faces.h"
 #include "geometry/ground_in_rooms.h"
 #include "geometry/outline_area.h"
+#include "geometry/sheet_rooms.h"
 #include "geometry/shell_faces.h"
 #include "geometry/triangle_rays.h"
 
@@ -27,68 +29,8 @@ using glm::dvec3;
 constexpr double kLeastOfGround = 0.25; // of the model, from above
 constexpr size_t kMostSolids = 500;     // leaves in one another take the pieces' import minutes
 constexpr uint32_t kNone = UINT32_MAX;  // body of what welding leaves nothing of
-
-// Whether a convex face is on both sides of the other's plane, and the line there runs on the other one or
-// its border.
-bool isCutBy(const FlatFace& convex, const FlatFace& other, double tolerance) {
-    double most = 0, least = 0;
-    std::vector<dvec3> ends;
-    const std::vector<dvec3>& loop = convex.loops[0];
-    for (size_t k = 0; k < loop.size(); ++k) {
-        const double a = other.height(loop[k]), b = other.height(loop[(k + 1) % loop.size()]);
-        most = std::max(most, a), least = std::min(least, a);
-        if ((a >= 0) != (b >= 0))
-            ends.push_back(loop[k] + a / (a - b) * (loop[(k + 1) % loop.size()] - loop[k]));
-    }
-    if (most <= tolerance || least >= -tolerance) return false;
-    const dvec3 along = ends[1] - ends[0];
-    return std::ranges::any_of(other.triangles, [&](const ShellTriangle& t) {
-        const dvec3 normal = glm::cross(t.b - t.a, t.c - t.a);
-        double from = 0, to = 1;
-        for (const auto& [p, q] : {std::pair(t.a, t.b), {t.b, t.c}, {t.c, t.a}}) {
-            const dvec3 inwards = glm::normalize(glm::cross(normal, q - p));
-            const double height = glm::dot(ends[0] - p, inwards) + tolerance, rise = glm::dot(along, inwards);
-            if (rise > 0)
-                from = std::max(from, -height / rise);
-            else if (rise < 0)
-                to = std::min(to, -height / rise);
-            else if (height < 0)
-                return false;
-        }
-        return (to - from) * glm::length(along) > 4 * tolerance; // more than both edges' margins at a corner
-    });
-}
-
-// As they are given, each by its place, for welding puts corners of others into edges, which makes needles of
-// triangles.
-Building unwelded(const std::vector<SoupFace>& faces) {
-    Building out;
-    for (const SoupFace& given : faces) {
-        Face& face = out.faces.emplace_back();
-        face.surface = static_cast<uint32_t>(&given - faces.data());
-        for (const auto& loop : given.loops) {
-            face.loops.emplace_back();
-            for (const dvec3 p : loop) {
-                face.loops.back().push_back(static_cast<uint32_t>(out.vertices.size()));
-                out.vertices.push_back(p);
-            }
-        }
-    }
-    return out;
-}
-
-std::vector<FlatFace> convexParts(const FlatFace& face) {
-    const std::vector<dvec3>& loop = face.loops[0];
-    const size_t n = loop.size();
-    bool convex = face.loops.size() == 1;
-    for (size_t k = 0; k < n; ++k)
-        convex = convex && glm::dot(glm::cross(loop[(k + 1) % n] - loop[k], loop[(k + 2) % n] - loop[k]),
-                                    face.normal) >= 0;
-    if (convex) return {convexFace(loop, face.normal)};
-    std::vector<FlatFace> out;
-    for (const ShellTriangle& t : face.triangles) out.push_back(convexFace({t.a, t.b, t.c}, face.normal));
-    return out;
-}
+constexpr double kMuchOutside = 0.25;   // of a body's volume
+constexpr int kSteps = 12;              // along each axis of its box, to find that
 
 class SolidUniter {
 public:
@@ -97,7 +39,7 @@ public:
         : given_(faces), isGlass_(isGlass), tolerance_(tolerance) {
         faces_ = flatFacesOf(unwelded(faces));
         findBodies(weldedByNumber(faces, tolerance));
-        if (solids_.size() < 2) return; // nothing to meet
+        if (solids_.empty()) return; // nothing to meet
         for (const FlatFace& face : faces_)
             boxes_.push_back({face.box.low - tolerance, face.box.high + tolerance});
         tree_.emplace(boxes_);
@@ -105,24 +47,32 @@ public:
     }
 
     std::optional<UnitedSolids> unite(Solids which) {
-        if (solids_.size() < 2) return std::nullopt;
+        if (solids_.empty()) return std::nullopt;
         UnitedSolids out;
         findMeeting(which, out);
-        if (out.solids == 0) return std::nullopt;
+        findThrough(out);
+        if (meets_.size() + through_.size() > kMostSolids || out.solids + out.through == 0)
+            return std::nullopt;
         std::vector<bool> isCut(given_.size(), false);
-        for (uint32_t k = 0; k < faces_.size(); ++k) {
-            if (!meets_.contains(body_[k])) continue;
-            const auto pieces = outside(k);
-            if (!pieces) continue;
-            const SoupFace& face = given_[faces_[k].surface];
-            isCut[faces_[k].surface] = true;
-            for (const FlatFace& piece : *pieces) {
-                out.faces.push_back(face);
-                out.faces.back().loops = piece.loops;
+        const auto add = [&](uint32_t k, const std::vector<FlatFace>& pieces, std::vector<SoupFace>& to) {
+            for (const FlatFace& piece : pieces) {
+                to.push_back(given_[faces_[k].surface]);
+                to.back().loops = piece.loops;
             }
+        };
+        for (uint32_t k = 0; k < faces_.size(); ++k) {
+            const bool isSolid = meets_.contains(body_[k]) || through_.contains(body_[k]);
+            if (!isSolid && (through_.empty() || !isSheet(k))) continue;
+            const auto pieces = isSolid ? outside(k) : notWithin(k);
+            if (!pieces) continue;
+            isCut[faces_[k].surface] = true;
+            add(k, pieces->kept, out.faces);
+            add(k, pieces->beyond, out.beyond);
         }
         for (size_t k = 0; k < given_.size(); ++k)
             if (!isCut[k]) out.faces.push_back(given_[k]);
+        for (const uint32_t body : indoor_)
+            if (isMuchOutside(solids_.at(body))) out.muchOutside.push_back(firstOf(body));
         return out;
     }
 
@@ -148,6 +98,7 @@ private:
         }
         const Bounds& box() const { return box_; }
         bool enclose(dvec3 p) const { return box_.isNear({p, p}, 0) && rays_.enclose(p); }
+        bool isAbove(dvec3 p) const { return rays_.anyWithin(p, {0, 1, 0}, box_.high.y - box_.low.y); }
 
     private:
         Bounds box_;
@@ -272,8 +223,18 @@ private:
                 }
                 if (areaFromAbove(whole) > areaFromAbove(largest)) largest = whole;
             }
-            if (solids.size() > 1 && isMuchLarger(ground, largest)) solids_.erase(body);
+            if (solids.size() < 2 || !isMuchLarger(ground, largest) || isAboveGlass(body)) continue;
+            solids_.erase(body);
+            ground_.insert(body);
         }
+    }
+
+    // As a house of one piece.
+    bool isAboveGlass(uint32_t body) const {
+        return std::ranges::any_of(faces_, [&](const FlatFace& face) {
+            return isGlass_(given_[face.surface].material) &&
+                   solids_.at(body).isAbove(largestTriangle(face).middle());
+        });
     }
 
     void findMeeting(Solids which, UnitedSolids& out) {
@@ -286,7 +247,71 @@ private:
                     meets_.insert(body_[k]), meets_.insert(body_[i]);
                     return true;
                 });
-        out.solids = meets_.size() <= kMostSolids ? static_cast<uint32_t>(meets_.size()) : 0;
+        out.solids = static_cast<uint32_t>(meets_.size());
+    }
+
+    bool isSheet(uint32_t k) const {
+        return !solids_.contains(body_[k]) && !ground_.contains(body_[k]) &&
+               !isGlass_(given_[faces_[k].surface].material);
+    }
+
+    uint32_t firstOf(uint32_t body) const { // the face in the file
+        return given_[faces_[static_cast<size_t>(std::ranges::find(body_, body) - body_.begin())].surface]
+            .surface;
+    }
+
+    // Solids whose faces cross the walls of rooms that are drawn without thickness, as furniture that is sunk
+    // into floors.
+    void findThrough(UnitedSolids& out) {
+        std::vector<uint32_t> crossing;
+        for (uint32_t k = 0; k < faces_.size(); ++k)
+            if (solids_.contains(body_[k]) &&
+                tree_->anyHolding(faces_[k].box.high, faces_[k].box.low, [&](uint32_t i) {
+                    return isSheet(i) && facesCross(faces_[k], faces_[i], tolerance_);
+                }))
+                crossing.push_back(k);
+        if (crossing.empty()) return;
+        std::vector<bool> isOfSolid(given_.size(), false);
+        for (uint32_t k = 0; k < faces_.size(); ++k)
+            if (solids_.contains(body_[k]) || ground_.contains(body_[k])) isOfSolid[faces_[k].surface] = true;
+        std::vector<SoupFace> sheets;
+        for (size_t k = 0; k < given_.size(); ++k)
+            if (!isOfSolid[k]) sheets.push_back(given_[k]);
+        rooms_.emplace(sheets, isGlass_, tolerance_);
+        for (const uint32_t k : crossing) {
+            if (through_.contains(body_[k]) || !rooms_->areCrossedBy(faces_[k])) continue;
+            if (through_.empty()) out.surfaceThrough = given_[faces_[k].surface].surface;
+            through_.insert(body_[k]);
+        }
+        out.through = static_cast<uint32_t>(through_.size());
+        findIndoor();
+    }
+
+    // Of those through walls the ones that meet no solid outside, which would be open without them.
+    void findIndoor() {
+        std::vector<uint32_t> bodies;
+        for (const auto& [body, solid] : solids_) bodies.push_back(body);
+        DisjointSets clusters(bodies.size());
+        std::vector<Bounds> boxes;
+        for (const auto& [body, solid] : solids_) boxes.push_back(solid.box());
+        const BoxTree tree(boxes);
+        for (uint32_t k = 0; k < boxes.size(); ++k)
+            tree.anyHolding(boxes[k].high + tolerance_, boxes[k].low - tolerance_, [&](uint32_t i) {
+                clusters.join(i, k);
+                return false; // look at all
+            });
+        std::set<uint32_t> outdoors;
+        for (uint32_t k = 0; k < bodies.size(); ++k)
+            if (!through_.contains(bodies[k]) && !rooms_->enclose(pointIn(bodies[k])))
+                outdoors.insert(clusters.root(k));
+        for (uint32_t k = 0; k < bodies.size(); ++k)
+            if (through_.contains(bodies[k]) && !outdoors.contains(clusters.root(k)))
+                indoor_.insert(bodies[k]);
+    }
+
+    dvec3 pointIn(uint32_t body) const {
+        const FlatFace& face = faces_[static_cast<size_t>(std::ranges::find(body_, body) - body_.begin())];
+        return largestTriangle(face).middle() - 2 * tolerance_ * face.normal;
     }
 
     // Whether `accepts(i)` says so of any face i of another solid near the piece.
@@ -298,33 +323,96 @@ private:
     }
 
     // Null where there is none.
-    const FlatFace* cutting(const FlatFace& piece, uint32_t body) const {
+    template<class Cuts> const FlatFace* cutting(const FlatFace& piece, const Cuts& cuts) const {
         const FlatFace* found = nullptr;
-        anyOfAnother(piece, body, [&](uint32_t i) {
-            if (!meets_.contains(body_[i]) || !isCutBy(piece, faces_[i], tolerance_)) return false;
+        tree_->anyHolding(piece.box.high, piece.box.low, [&](uint32_t i) {
+            if (!cuts(i) || !isCutBy(piece, faces_[i], tolerance_)) return false;
             found = &faces_[i];
             return true;
         });
         return found;
     }
 
-    // Convex pieces of the face that are of the union's surface; none where all of it is.
-    std::optional<std::vector<FlatFace>> outside(uint32_t k) const {
-        std::vector<FlatFace> kept;
+    // Convex pieces of a face.
+    struct Pieces {
+        std::vector<FlatFace> kept, beyond; // the latter: outside of the rooms whose walls it runs through
+    };
+    enum class Place { seen, hidden, beyond };
+
+    // None where all of the face is seen.
+    template<class Cuts, class PlaceOf>
+    std::optional<Pieces> cutUp(uint32_t k, const Cuts& cuts, const PlaceOf& placeOf) const {
+        Pieces out;
         bool goes = false;
         std::vector<FlatFace> next = convexParts(faces_[k]);
         while (!next.empty()) {
             const FlatFace piece = std::move(next.back());
             next.pop_back();
-            if (const FlatFace* other = cutting(piece, body_[k]))
+            if (const FlatFace* other = cutting(piece, cuts)) {
                 for (FlatFace& half : halves(piece, *other)) next.push_back(std::move(half));
-            else if (isCovered(piece, body_[k]))
-                goes = true;
-            else
-                kept.push_back(piece);
+                continue;
+            }
+            const Place place = placeOf(piece);
+            goes |= place != Place::seen;
+            if (place != Place::hidden) (place == Place::seen ? out.kept : out.beyond).push_back(piece);
         }
         if (!goes) return std::nullopt;
-        return kept;
+        return out;
+    }
+
+    // Of a solid's face what is of the union's surface, and in rooms where the solid stands in them.
+    std::optional<Pieces> outside(uint32_t k) const {
+        const uint32_t body = body_[k];
+        return cutUp(
+            k,
+            [&](uint32_t i) {
+                return (body_[i] != body && meets_.contains(body_[i])) ||
+                       (through_.contains(body) && isSheet(i));
+            },
+            [&](const FlatFace& piece) {
+                if (isCovered(piece, body)) return Place::hidden;
+                return !indoor_.contains(body) || rooms_->enclose(off(piece, 2)) ? Place::seen
+                                                                                 : Place::beyond;
+            });
+    }
+
+    // Of a sheet what a room has on one of its sides that is in no solid.
+    std::optional<Pieces> notWithin(uint32_t k) const {
+        const bool isNear = std::ranges::any_of(through_, [&](uint32_t body) {
+            return solids_.at(body).box().isNear(faces_[k].box, tolerance_);
+        });
+        if (!isNear) return std::nullopt;
+        return cutUp(
+            k, [&](uint32_t i) { return through_.contains(body_[i]); },
+            [&](const FlatFace& piece) {
+                bool touches = false;
+                for (const double side : {2.0, -2.0}) {
+                    const dvec3 p = off(piece, side);
+                    const auto holds = [&](uint32_t body) { return solids_.at(body).enclose(p); };
+                    const auto holder = std::ranges::find_if(through_, holds);
+                    touches |= holder != through_.end();
+                    if (holder == through_.end() && (indoor_.empty() || rooms_->enclose(p)))
+                        return Place::seen;
+                }
+                return touches ? Place::hidden : Place::seen;
+            });
+    }
+
+    dvec3 off(const FlatFace& piece, double tolerances) const {
+        return largestTriangle(piece).middle() + tolerances * tolerance_ * piece.normal;
+    }
+
+    bool isMuchOutside(const Solid& solid) const {
+        int all = 0, beyond = 0;
+        for (int k = 0; k < kSteps * kSteps * kSteps; ++k) {
+            const dvec3 step(k % kSteps, k / kSteps % kSteps, k / kSteps / kSteps),
+                size = solid.box().high - solid.box().low,
+                p = solid.box().low + (step + 0.5) / double(kSteps) * size;
+            if (!solid.enclose(p)) continue;
+            ++all;
+            beyond += !rooms_->enclose(p);
+        }
+        return beyond > kMuchOutside * all;
     }
 
     // What lies on another surface that looks the same way is the earlier body's.
@@ -343,7 +431,10 @@ private:
     std::vector<FlatFace> faces_; // surface: the number among those given
     std::vector<uint32_t> body_;  // per flat face
     std::map<uint32_t, Solid> solids_;
-    std::set<uint32_t> meets_; // bodies that meet others
+    std::set<uint32_t> ground_;           // bodies
+    std::set<uint32_t> meets_;            // bodies that meet others
+    std::optional<SheetRooms> rooms_;     // where solids run through their walls
+    std::set<uint32_t> through_, indoor_; // those, and the ones of which what is outside of rooms goes
     std::vector<Bounds> boxes_;
     std::optional<BoxTree> tree_;
 };

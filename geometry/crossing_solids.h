@@ -16,11 +16,17 @@ struct UnitedSolids {
     std::vector<SoupFace> faces;
     uint32_t solids = 0;  // that met others
     uint32_t surface = 0; // of a face that did
+    uint32_t through = 0; // solids that run through walls of rooms drawn without thickness
+    uint32_t surfaceThrough = 0;
+    std::vector<SoupFace> beyond;      // what of those is outside of rooms
+    std::vector<uint32_t> muchOutside; // a face's surface of each of which much is
 };
 
 // Of opaque closed bodies whose faces look out of them and that meet one another the surface of
-// their union, all else as it is. None where no two meet, more than 500 do, or nothing has glass (`isGlass`
-// of a material): then they may be rooms. Where bodies share edges, faces near one another in the file
+// their union, all else as it is; where such bodies run through walls of rooms drawn without thickness
+// (geometry/sheet_rooms), as cupboards sunk into floors, these have the rest of the air. None where no two
+// meet and none does that, more than 500 do, or nothing has glass (`isGlass` of a material): then they may be
+// rooms. Where bodies share edges, faces near one another in the file
 // (SoupFace::surface) are one's. Corners are one within `tolerance` (metres). Cost: n log n, and faces times
 // those of others that they meet.
 std::optional<UnitedSolids> uniteSolids(const std::vector<SoupFace>& faces,

@@ -107,10 +107,25 @@ private:
         const auto united = uniteSolids(faces_.soup, isGlass_, which, kWeldOfExtent * extent_);
         if (!united) return false;
         faces_.soup = united->faces;
-        faces_.warnings.push_back(fmt::format(
-            "{} solids that {}run into one another (one with the face at {}) were taken as one: of "
-            "what lies in others nothing is seen",
-            united->solids, which == Solids::thatMeet ? "touch or " : "", model_.place(united->surface)));
+        faces_.outside.insert(faces_.outside.end(), united->beyond.begin(), united->beyond.end());
+        if (united->solids > 0)
+            faces_.warnings.push_back(fmt::format(
+                "{} solids that {}run into one another (one with the face at {}) were taken as one: of "
+                "what lies in others nothing is seen",
+                united->solids, which == Solids::thatMeet ? "touch or " : "", model_.place(united->surface)));
+        if (united->through > 0)
+            faces_.warnings.push_back(fmt::format(
+                "{} (the first with the face at {}) {} through walls, floors or ceilings of rooms: cut off "
+                "there",
+                counted(united->through, "solid"), model_.place(united->surfaceThrough),
+                united->through == 1 ? "runs" : "run"));
+        if (!united->muchOutside.empty())
+            faces_.warnings.push_back(fmt::format(
+                "a quarter or more of {} (the first with the face at {}) lies outside of the rooms into "
+                "which {} run{}: is {} in the wrong place?",
+                counted(united->muchOutside.size(), "such solid"), model_.place(united->muchOutside[0]),
+                united->muchOutside.size() == 1 ? "it" : "they", united->muchOutside.size() == 1 ? "s" : "",
+                united->muchOutside.size() == 1 ? "it" : "one"));
         return true;
     }
 

@@ -210,6 +210,93 @@ TEST(CrossingSolids, walls_that_touch_are_one_where_they_would_be_rooms) {
     EXPECT_NEAR(volume(meshBuilding(building, {300})), 50 + kNiche, 1e-4);
 }
 
+bool warns(const Building& building, const std::string& of) {
+    return std::ranges::any_of(building.warnings,
+                               [&](const std::string& warning) { return warning.find(of) < warning.npos; });
+}
+
+// Of rooms drawn without thickness: legs 1 cm below the floor, what stands 2 cm in walls.
+TEST(CrossingSolids, furniture_may_be_sunk_into_the_sheets_of_a_room) {
+    struct Case {
+        std::vector<Box> boxes;
+        double size; // within the room
+        const char* through;
+        bool muchOutside;
+    };
+    const Box top{{1, 0.72, 2}, {2.2, 0.75, 2.7}}, leg{{1.1, -0.01, 2.1}, {1.15, 0.73, 2.15}},
+        other{{2.1, -0.01, 2.1}, {2.15, 0.72, 2.15}};
+    for (const auto& [boxes, size, through, muchOutside] :
+         {Case{{{{-0.02, -0.01, 1}, {0.58, 2, 1.6}}}, 0.58 * 2 * 0.6, "1 solid (", false},
+          Case{{{{3.5, -0.01, 4.42}, {4.02, 2.6, 5.02}}}, 0.5 * 2.5 * 0.58, "1 solid (", false}, // a corner
+          Case{{{{1.2, 0.1, -0.01}, {2.8, 0.7, 0.1}}}, 1.6 * 0.6 * 0.1, "1 solid (", false},
+          Case{{{{1, 0.77, -0.05}, {3, 0.8, 0.2}}}, 2 * 0.03 * 0.2, "1 solid (", false}, // under the pane
+          Case{{top, leg, other}, 1.2 * 0.7 * 0.03 + 2 * 0.05 * 0.05 * 0.72, "2 solids (", false},
+          Case{{{{-2, 0, 1}, {0.3, 1, 1.6}}}, 0.3 * 1 * 0.6, "1 solid (", true}}) {
+        Drawing drawing(false);
+        drawing.room(0, -1, true);
+        for (const Box& one : boxes) box(drawing, one, 0);
+        const Building building = drawing.read();
+        EXPECT_EQ(building.roomCount, 1u);
+        EXPECT_NEAR(volume(meshBuilding(building, {300})), 50 - size, 1e-4);
+        EXPECT_TRUE(warns(building, through));
+        EXPECT_EQ(warns(building, "lies outside of the rooms"), muchOutside);
+    }
+}
+
+// A wall without thickness between two rooms, and a cupboard that stands in both.
+TEST(CrossingSolids, furniture_may_run_through_a_common_wall) {
+    Drawing drawing(false);
+    drawing.room(0, -1, true);
+    drawing.room(4, 2, false); // has the other's right wall
+    box(drawing, {{3.5, -0.01, 1}, {4.02, 2, 2}}, 0);
+    const Building building = drawing.read();
+    EXPECT_EQ(building.roomCount, 2u);
+    EXPECT_NEAR(volume(meshBuilding(building, {300})), 100 - 0.52 * 2, 1e-4);
+}
+
+// A house of boxes beside a room of sheets, into which one of its walls runs.
+TEST(CrossingSolids, what_runs_through_a_wall_may_bound_a_room_outside) {
+    Drawing drawing(false);
+    drawing.room(0, -1, true);
+    for (Box one : walls(0.1)) {
+        one.first.x += 4, one.second.x += 4;
+        box(drawing, one, 0);
+    }
+    drawing.face("glass", {{5, 0.8, -0.1}, {7, 0.8, -0.1}, {7, 2, -0.1}, {5, 2, -0.1}});
+    const Building building = drawing.read();
+    EXPECT_EQ(building.roomCount, 2u);
+    EXPECT_NEAR(volume(meshBuilding(building, {300})), 100 + kNiche - 0.2 * 2.5 * 5, 1e-4);
+}
+
+// Much larger than the cupboard that is sunk into it, as the ground would be; the pane stands in its wall.
+TEST(CrossingSolids, a_house_of_one_piece_is_not_the_ground) {
+    Drawing drawing(false);
+    const double t = 0.2;
+    const std::array<dvec3, 4> in{dvec3(1, 0.8, 0), {3, 0.8, 0}, {3, 2, 0}, {1, 2, 0}};
+    for (const double e : {0.0, t}) { // the inner faces, and the outer ones
+        const dvec3 o(-e, -e, -e), size(4 + 2 * e, 2.5 + 2 * e, 5 + 2 * e);
+        const auto sides = Drawing::sidesOf(o, size);
+        for (size_t k = 0; k < 5; ++k) {
+            const auto& [at, u, v] = sides[k];
+            e > 0 ? drawing.sheet(at, v, u) : drawing.sheet(at, u, v);
+        }
+        const std::array<dvec3, 4> wall{o, o + dvec3(size.x, 0, 0), o + dvec3(size.x, size.y, 0),
+                                        o + dvec3(0, size.y, 0)};
+        for (size_t k = 0; k < 4; ++k) {
+            const dvec3 a = in[k] - dvec3(0, 0, e), b = in[(k + 1) % 4] - dvec3(0, 0, e);
+            std::vector<dvec3> corners{wall[k], wall[(k + 1) % 4], b, a};
+            if (e > 0) std::ranges::reverse(corners);
+            drawing.face("wall", corners);
+        }
+    }
+    for (size_t k = 0; k < 4; ++k) drawing.sheet(in[k], in[(k + 1) % 4] - in[k], {0, 0, -t});
+    pane(drawing, 0);
+    box(drawing, {{-0.02, -0.01, 1}, {0.58, 2, 1.6}}, 0);
+    const Building building = drawing.read();
+    EXPECT_EQ(building.roomCount, 1u);
+    EXPECT_NEAR(volume(meshBuilding(building, {300})), 50 + kNiche - 0.58 * 2 * 0.6, 1e-4);
+}
+
 TEST(CrossingSolids, without_glass_they_may_be_rooms) {
     Drawing drawing(false);
     for (const Box& one : walls(0.1)) box(drawing, one, 0);
