@@ -3,6 +3,7 @@
 #include "geometry/crossing_solids.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 #include <map>
@@ -185,7 +186,7 @@ private:
             if (!body.isClosed || body.volume >= 0) continue;
             uint32_t around = kNone;
             for (const auto& [number, solid] : solids_)
-                if (solid.enclose(body.triangles[0].middle()) &&
+                if (isRound(solid.box(), boxOf(body)) && solid.enclose(body.triangles[0].middle()) &&
                     (around == kNone || bodies[number].volume < bodies[around].volume))
                     around = number;
             if (around != kNone) cavityOf[root] = around;
@@ -198,19 +199,33 @@ private:
         }
         for (uint32_t& body : body_)
             if (const auto cavity = cavityOf.find(body); cavity != cavityOf.end()) body = cavity->second;
-        leaveOutGround();
+        leaveOutGround(bodies);
+    }
+
+    static Bounds boxOf(const Body& body) {
+        Bounds out{body.triangles[0].a, body.triangles[0].a};
+        for (const ShellTriangle& t : body.triangles) out = united(out, boundsOf(std::array{t.a, t.b, t.c}));
+        return out;
+    }
+
+    static bool isRound(const Bounds& outer, const Bounds& inner) {
+        return glm::all(glm::lessThan(outer.low, inner.low)) &&
+               glm::all(glm::greaterThan(outer.high, inner.high));
     }
 
     // The air of rooms is often drawn into it: what is much larger than the largest of all else that hangs
     // together.
-    void leaveOutGround() {
-        std::map<uint32_t, Bounds> solids;
+    void leaveOutGround(const std::map<uint32_t, Body>& bodies) {
+        std::map<uint32_t, Bounds> solids, rooms; // the latter: what else has glass
+        for (const auto& [root, body] : bodies)
+            if (body.hasGlass && !body.triangles.empty()) rooms[root] = boxOf(body);
         for (const auto& [body, solid] : solids_) solids[body] = solid.box();
         const double all = faces_.empty() ? 0 : areaFromAbove(boundsOfFaces(faces_));
         for (const auto& [body, ground] : solids) {
             if (areaFromAbove(ground) < kLeastOfGround * all) continue;
             std::map<uint32_t, Bounds> others = solids;
             others.erase(body);
+            others.insert(rooms.begin(), rooms.end());
             Bounds largest{dvec3(0), dvec3(0)};
             while (!others.empty()) {
                 Bounds whole = others.begin()->second;
@@ -223,7 +238,8 @@ private:
                 }
                 if (areaFromAbove(whole) > areaFromAbove(largest)) largest = whole;
             }
-            if (solids.size() < 2 || !isMuchLarger(ground, largest) || isAboveGlass(body)) continue;
+            if (solids.size() + rooms.size() < 2 || !isMuchLarger(ground, largest) || isAboveGlass(body))
+                continue;
             solids_.erase(body);
             ground_.insert(body);
         }

@@ -243,6 +243,18 @@ TEST(CrossingSolids, furniture_may_be_sunk_into_the_sheets_of_a_room) {
     }
 }
 
+// The block was taken for the ground, as the cupboard is small, and for walls of the room, whose floor has its
+// middle under it.
+TEST(CrossingSolids, a_block_beside_furniture_is_no_ground_and_no_wall_round_the_room) {
+    Drawing drawing(false);
+    drawing.room(0, -1, true);
+    box(drawing, {{-0.02, -0.01, 1}, {0.58, 2, 1.6}}, 0);
+    box(drawing, {{1, 0, 2}, {3, 2, 5}}, 0);
+    const Building building = drawing.read();
+    EXPECT_EQ(building.roomCount, 1u);
+    EXPECT_NEAR(volume(meshBuilding(building, {300})), 50 - 0.58 * 2 * 0.6 - 12, 1e-4);
+}
+
 // A wall without thickness between two rooms, and a cupboard that stands in both.
 TEST(CrossingSolids, furniture_may_run_through_a_common_wall) {
     Drawing drawing(false);
