@@ -12,6 +12,7 @@
 #include "geometry/bounds.h"
 #include "geometry/counted.h"
 #include "geometry/crossing_solids.h"
+#include "geometry/doubled_faces.h"
 #include "geometry/doubled_glass.h"
 #include "geometry/face_soup.h"
 #include "geometry/glass_panes.h"
@@ -50,6 +51,7 @@ public:
         extent_ = glass > 0 ? std::min(all, kMostOfGlass * glass) : all;
         faces_ = flatFaces(model_, extent_, worldPerBuilding(model_.vertices));
         faces_.dropped += dropDoubledGlass(faces_.soup, isGlass_, kWeldOfExtent * extent_);
+        faces_.dropped += dropDoubledFaces(faces_.soup, isGlass_, kWeldOfExtent * extent_);
     }
 
     // As drawn, but that solids which run into one another are one; where that is refused or the insides of

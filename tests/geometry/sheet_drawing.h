@@ -27,7 +27,8 @@ using glm::dvec3;
 
 class Drawing {
 public:
-    double deep = 5; // rooms are
+    double deep = 5;       // rooms are
+    bool twoSided = false; // each face once a side
 
     // All faces turned over: drawn to be seen from outside, as some programs do. In so many units a metre.
     explicit Drawing(bool over, double units = 1) : over_(over), units_(units) {
@@ -51,6 +52,10 @@ public:
         }
         out_ << "f";
         for (size_t k = 0; k < corners.size(); ++k) out_ << ' ' << next_++;
+        if (twoSided) {
+            out_ << "\nf";
+            for (int k = 1; k <= static_cast<int>(corners.size()); ++k) out_ << ' ' << next_ - k;
+        }
         out_ << '\n';
     }
     // By corner and edges, that look in: floor, ceiling, left, right, back, front.

@@ -1,0 +1,182 @@
+#include "geometry/doubled_faces.h"
+
+#include <algorithm>
+#include <map>
+#include <optional>
+#include <set>
+#include <tuple>
+#include <utility>
+
+#include "geometry/disjoint_sets.h"
+#include "geometry/flat_faces.h"
+#include "geometry/outline_area.h"
+#include "geometry/shell_faces.h"
+#include "geometry/shell_nesting.h"
+
+namespace heliodon::geometry {
+
+namespace {
+
+using glm::dvec3;
+
+constexpr size_t kOnePart = 20; // of a piece's faces, one may be drawn for one side alone
+
+// What hangs together, closed, its faces all turned one way.
+struct Piece {
+    std::vector<uint32_t> faces; // of the welded building
+    std::vector<bool> turned;    // per face: against how it is drawn
+    std::vector<ShellTriangle> triangles;
+    Bounds box;
+    double volume = 0; // positive: they look out
+    bool hasGlass = false;
+};
+
+class FaceHalver {
+public:
+    FaceHalver(std::vector<SoupFace>& faces, const std::function<bool(uint32_t)>& isGlass, double tolerance)
+        : faces_(faces), isGlass_(isGlass), tolerance_(tolerance), back_(faces.size()) {}
+
+    size_t halve() {
+        if (std::ranges::none_of(faces_, [&](const SoupFace& f) { return isGlass_(f.material); })) return 0;
+        if (!findBacks()) return 0;
+        std::vector<Piece> pieces = closedPieces(false);
+        for (Piece& piece : closedPieces(true)) pieces.push_back(std::move(piece));
+        return keepOne(pieces);
+    }
+
+private:
+    bool isOpaque(size_t k) const { return !isGlass_(faces_[k].material); }
+
+    // Of faces with the same corners the first that looks the other way, as programs write both alike.
+    bool findBacks() {
+        std::map<std::vector<std::tuple<double, double, double>>, std::vector<uint32_t>> alike;
+        for (uint32_t k = 0; k < faces_.size(); ++k) {
+            if (!isOpaque(k)) continue;
+            std::vector<std::tuple<double, double, double>> corners;
+            for (const auto& loop : faces_[k].loops)
+                for (const dvec3 p : loop) corners.emplace_back(p.x, p.y, p.z);
+            std::ranges::sort(corners);
+            alike[std::move(corners)].push_back(k);
+        }
+        isBack_.assign(faces_.size(), false);
+        bool any = false;
+        for (const auto& [corners, copies] : alike) {
+            if (copies.size() != 2 ||
+                glm::dot(areaVector(faces_[copies[0]].loops[0]), areaVector(faces_[copies[1]].loops[0])) >= 0)
+                continue;
+            back_[copies[0]] = copies[1];
+            isBack_[copies[1]] = any = true;
+        }
+        return any;
+    }
+
+    // Of what is no glass and, where `withGlass`, of what did not close without it.
+    std::vector<Piece> closedPieces(bool withGlass) {
+        std::vector<SoupFace> once;
+        for (uint32_t k = 0; k < faces_.size(); ++k)
+            if (!isBack_[k] && !taken_.contains(k) && (withGlass || isOpaque(k))) {
+                once.push_back(faces_[k]);
+                once.back().surface = k;
+            }
+        const Building welded = weldFaces(once, 1, tolerance_, true);
+        DisjointSets sets(welded.faces.size());
+        for (auto& [edge, around] : facesOfEdges(welded)) {
+            std::ranges::sort(around, {}, [&](uint32_t f) { return welded.faces[f].surface; });
+            for (size_t k = 1; k < around.size(); k += 2) sets.join(around[k - 1], around[k]);
+        }
+        std::map<uint32_t, std::vector<uint32_t>> wholes;
+        for (uint32_t f = 0; f < welded.faces.size(); ++f) wholes[sets.root(f)].push_back(f);
+        std::vector<Piece> out;
+        for (const auto& [root, members] : wholes)
+            if (auto piece = closedPiece(welded, members)) {
+                for (const uint32_t k : piece->faces) taken_.insert(k);
+                if (isDoubled(*piece)) out.push_back(std::move(*piece));
+            }
+        return out;
+    }
+
+    std::optional<Piece> closedPiece(const Building& welded, const std::vector<uint32_t>& members) const {
+        Building alone{.vertices = welded.vertices};
+        for (const uint32_t f : members) alone.faces.push_back(welded.faces[f]);
+        const std::vector<Face> drawn = alone.faces;
+        const ShellFaces shells = orientShells(alone);
+        if (!shells.bad.empty() || shells.count != 1) return std::nullopt;
+        Piece out;
+        for (size_t f = 0; f < drawn.size(); ++f) {
+            out.faces.push_back(drawn[f].surface);
+            out.turned.push_back(drawn[f].loops != alone.faces[f].loops);
+            out.hasGlass |= !isOpaque(drawn[f].surface);
+        }
+        const std::vector<FlatFace> flat = flatFacesOf(alone);
+        out.triangles = trianglesOf(flat);
+        out.box = boundsOfFaces(flat);
+        for (const ShellTriangle& t : out.triangles) {
+            const dvec3 o = out.triangles[0].a;
+            out.volume += glm::dot(t.a - o, glm::cross(t.b - o, t.c - o)) / 6;
+        }
+        return out;
+    }
+
+    bool isDoubled(const Piece& piece) const {
+        const auto single = std::ranges::count_if(
+            piece.faces, [&](uint32_t k) { return isOpaque(k) && !back_[k].has_value(); });
+        return static_cast<size_t>(single) * kOnePart <= piece.faces.size();
+    }
+
+    size_t keepOne(const std::vector<Piece>& pieces) {
+        std::vector<bool> gone(faces_.size(), false);
+        size_t count = 0;
+        for (const Piece& piece : pieces) {
+            const bool wrongWay = (piece.volume > 0) == looksIn(piece, pieces);
+            for (size_t f = 0; f < piece.faces.size(); ++f) {
+                const uint32_t k = piece.faces[f];
+                if (!back_[k].has_value()) {
+                    if (piece.turned[f] != wrongWay) turnOver(faces_[k]);
+                    continue;
+                }
+                gone[piece.turned[f] == wrongWay ? *back_[k] : k] = true;
+                ++count;
+            }
+        }
+        size_t kept = 0;
+        for (size_t k = 0; k < faces_.size(); ++k)
+            if (!gone[k]) std::swap(faces_[kept++], faces_[k]);
+        faces_.resize(kept);
+        return count;
+    }
+
+    static bool looksIn(const Piece& piece, const std::vector<Piece>& pieces) {
+        if (piece.hasGlass) return true;
+        bool holds = false;
+        for (const Piece& other : pieces) {
+            if (&other == &piece) continue;
+            if (isRound(other, piece)) return false;
+            if (!isRound(piece, other)) continue;
+            if (other.hasGlass) return false; // round the walls of a room
+            holds = true;
+        }
+        return holds;
+    }
+
+    static bool isRound(const Piece& outer, const Piece& inner) {
+        return glm::all(glm::lessThan(outer.box.low, inner.box.low)) &&
+               glm::all(glm::greaterThan(outer.box.high, inner.box.high)) &&
+               crossings(outer.triangles, inner.triangles[0].a) % 2 == 1;
+    }
+
+    std::vector<SoupFace>& faces_;
+    const std::function<bool(uint32_t)>& isGlass_;
+    double tolerance_;
+    std::vector<std::optional<uint32_t>> back_; // per face, of the first of two: the other one
+    std::vector<bool> isBack_;
+    std::set<uint32_t> taken_; // of closed pieces
+};
+
+} // namespace
+
+size_t dropDoubledFaces(std::vector<SoupFace>& faces, const std::function<bool(uint32_t)>& isGlass,
+                        double tolerance) {
+    return FaceHalver(faces, isGlass, tolerance).halve();
+}
+
+} // namespace heliodon::geometry
