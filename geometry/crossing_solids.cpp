@@ -10,7 +10,10 @@
 #include <set>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "geometry/box_tree.h"
+#include "geometry/counted.h"
 #include "geometry/disjoint_sets.h"
 #include "geometry/face_crossing.h"
 #include "geometry/face_cutting.h"
@@ -463,6 +466,27 @@ std::optional<UnitedSolids> uniteSolids(const std::vector<SoupFace>& faces,
     if (std::ranges::none_of(faces, [&](const SoupFace& face) { return isGlass(face.material); }))
         return std::nullopt;
     return SolidUniter(faces, isGlass, tolerance).unite(which);
+}
+
+std::vector<std::string> warningsOf(const UnitedSolids& united, Solids which,
+                                    const std::function<std::string(uint32_t)>& place) {
+    std::vector<std::string> out;
+    if (united.solids > 0)
+        out.push_back(fmt::format("{} solids that {}run into one another (one with the face at {}) were "
+                                  "taken as one: of what lies in others nothing is seen",
+                                  united.solids, which == Solids::thatMeet ? "touch or " : "",
+                                  place(united.surface)));
+    if (united.through > 0)
+        out.push_back(fmt::format(
+            "{} (the first with the face at {}) {} through walls, floors or ceilings of rooms: cut off there",
+            counted(united.through, "solid"), place(united.surfaceThrough),
+            united.through == 1 ? "runs" : "run"));
+    if (!united.muchOutside.empty())
+        out.push_back(fmt::format("a quarter or more of {} (the first with the face at {}) lies outside of "
+                                  "the rooms: is it in the wrong place?",
+                                  counted(united.muchOutside.size(), "such solid"),
+                                  place(united.muchOutside[0])));
+    return out;
 }
 
 } // namespace heliodon::geometry

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "geometry/face_soup.h"
@@ -32,5 +33,9 @@ struct UnitedSolids {
 std::optional<UnitedSolids> uniteSolids(const std::vector<SoupFace>& faces,
                                         const std::function<bool(uint32_t)>& isGlass, Solids which,
                                         double tolerance);
+
+// One sentence each. `place`: how a message names a face.
+std::vector<std::string> warningsOf(const UnitedSolids& united, Solids which,
+                                    const std::function<std::string(uint32_t)>& place);
 
 } // namespace heliodon::geometry

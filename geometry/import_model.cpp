@@ -1,16 +1,15 @@
 // A model file -> closed rooms (geometry/model_rooms.h), of its panes as drawn or as rooms need them.
 #include <algorithm>
+#include <array>
 #include <map>
 #include <optional>
 #include <set>
-#include <tuple>
 #include <utility>
 
 #include <fmt/format.h>
 #include <glm/geometric.hpp>
 
 #include "geometry/bounds.h"
-#include "geometry/counted.h"
 #include "geometry/crossing_solids.h"
 #include "geometry/doubled_faces.h"
 #include "geometry/doubled_glass.h"
@@ -18,6 +17,7 @@
 #include "geometry/glass_panes.h"
 #include "geometry/ground_in_rooms.h"
 #include "geometry/input_error.h"
+#include "geometry/last_decimal.h"
 #include "geometry/model_faces.h"
 #include "geometry/model_file.h"
 #include "geometry/model_rooms.h"
@@ -40,19 +40,33 @@ constexpr double kMostGap = 0.1;
 // (a hall of 60 m may have one window of 4).
 constexpr double kMostOfGlass = 16;
 
+// Of the last decimal: how far off corners that were meant to be one, or on a face, may be; that, and more
+// where it does not do.
+constexpr std::array kRoundingApart{1.5, 2.5};
+constexpr double kMostRounding = 2e-4; // of the extent: 1 mm in a room of 5 m
+
 class ModelImporter {
 public:
-    ModelImporter(const std::filesystem::path& file, UpAxis up, const ImportOptions& options)
+    ModelImporter(const std::filesystem::path& file, UpAxis up, const ImportOptions& options,
+                  double coarser = 1)
         : model_(readRawModel(file, options.materials)), givenScale_(options.worldPerBuilding) {
         for (glm::dvec3& p : model_.vertices) p = worldFromModel(p, up);
         const double all = extentOf([](uint32_t) { return true; });
         if (!(all > 0)) throw InputError(model_.file, model_.place(0), "all faces lie in one point");
         const double glass = extentOf(isGlass_);
-        extent_ = glass > 0 ? std::min(all, kMostOfGlass * glass) : all;
-        faces_ = flatFaces(model_, extent_, worldPerBuilding(model_.vertices));
+        extent_ = coarser * (glass > 0 ? std::min(all, kMostOfGlass * glass) : all);
+        faces_ = flatFaces(model_, extent_, worldPerBuilding(model_.vertices), coarser);
         faces_.dropped += dropDoubledGlass(faces_.soup, isGlass_, kWeldOfExtent * extent_);
         faces_.dropped += dropDoubledFaces(faces_.soup, isGlass_, kWeldOfExtent * extent_);
     }
+
+    // World metres: the last decimal of the coordinates, where the rooms are many times larger; 0: none.
+    double rounding() const {
+        const double step = lastDecimal(model_.vertices, kWeldOfExtent * extent_ / kRoundingApart.back());
+        return step < kMostRounding * extent_ ? step : 0;
+    }
+    double extent() const { return extent_; }
+    double inBuilding(double metres) const { return metres / worldPerBuilding(model_.vertices); }
 
     // As drawn, but that solids which run into one another are one; where that is refused or the insides of
     // walls come out as rooms, with those that touch as one, too.
@@ -110,24 +124,8 @@ private:
         if (!united) return false;
         faces_.soup = united->faces;
         faces_.outside.insert(faces_.outside.end(), united->beyond.begin(), united->beyond.end());
-        if (united->solids > 0)
-            faces_.warnings.push_back(fmt::format(
-                "{} solids that {}run into one another (one with the face at {}) were taken as one: of "
-                "what lies in others nothing is seen",
-                united->solids, which == Solids::thatMeet ? "touch or " : "", model_.place(united->surface)));
-        if (united->through > 0)
-            faces_.warnings.push_back(fmt::format(
-                "{} (the first with the face at {}) {} through walls, floors or ceilings of rooms: cut off "
-                "there",
-                counted(united->through, "solid"), model_.place(united->surfaceThrough),
-                united->through == 1 ? "runs" : "run"));
-        if (!united->muchOutside.empty())
-            faces_.warnings.push_back(fmt::format(
-                "a quarter or more of {} (the first with the face at {}) lies outside of the rooms into "
-                "which {} run{}: is {} in the wrong place?",
-                counted(united->muchOutside.size(), "such solid"), model_.place(united->muchOutside[0]),
-                united->muchOutside.size() == 1 ? "it" : "they", united->muchOutside.size() == 1 ? "s" : "",
-                united->muchOutside.size() == 1 ? "it" : "one"));
+        std::ranges::move(warningsOf(*united, which, [&](uint32_t f) { return model_.place(f); }),
+                          std::back_inserter(faces_.warnings));
         return true;
     }
 
@@ -265,45 +263,23 @@ private:
         if (ground.onGlass)
             throw InputError(model_.file, model_.place(*ground.onGlass),
                              "the ground is drawn through the glass of a window, expected it to end there");
-        const auto [fault, blind, missing] =
+        const SheetVerdict verdict =
             judgeSheets(ground.sheets, rooms.building, solids, looksIn,
                         worldPerBuilding(rooms.building.vertices), kPlanarOfExtent * extent_);
-        if (fault)
+        if (verdict.fault)
             throw InputError(
-                model_.file, model_.place(fault->surface),
+                model_.file, model_.place(verdict.fault->surface),
                 fmt::format("the model is not closed: this face {} (what is open has to stand outside of "
                             "rooms)",
-                            fault->words));
+                            verdict.fault->words));
         std::vector<std::string>& warnings = rooms.building.warnings;
-        warnings.push_back(sheetsOutside(ground.sheets));
+        const auto place = [&](uint32_t f) { return model_.place(f); };
+        warnings.push_back(sheetsOutside(ground.sheets, place));
         if (ground.surface)
             warnings.push_back(fmt::format("the ground ({} and others of it) runs on through rooms: what "
                                            "lies in them was left out, their floors are as drawn",
                                            model_.place(*ground.surface)));
-        for (const auto& [found, what, as] :
-             {std::tuple(missing.loggia, "a space before a window", "a loggia"),
-              {missing.court, "a space before windows", "a courtyard"},
-              {missing.low, "a low space", "outside, as a kennel, an open attic or a walled garden"}})
-            if (found)
-                warnings.push_back(
-                    fmt::format("{} that lacks its {} (of {} and others) was taken as {}, not as a "
-                                "room",
-                                what, found->side, model_.place(found->surface), as));
-        if (!blind.empty())
-            warnings.push_back(fmt::format(
-                "{} (the first at {}) {} at nothing but these: light enters past their edges alone",
-                counted(blind.size(), "window"), model_.place(rooms.source[blind[0]]),
-                blind.size() == 1 ? "looks" : "look"));
-    }
-
-    std::string sheetsOutside(const std::vector<SoupFace>& sheets) const {
-        std::set<uint32_t> drawn;
-        for (const SoupFace& sheet : sheets) drawn.insert(sheet.surface);
-        return fmt::format(
-            "{} (the first at {}) {} taken to stand outside, as an overhang or the ground drawn "
-            "as one plane: enclosing nothing, seen from both sides",
-            counted(drawn.size(), "open face"), model_.place(*drawn.begin()),
-            drawn.size() == 1 ? "was" : "were");
+        std::ranges::move(warningsOf(verdict, place, rooms.source), std::back_inserter(warnings));
     }
 
     // Whether the faces of rooms are drawn so, most of their area.
@@ -494,7 +470,27 @@ double assumedWorldPerBuilding(std::span<const glm::dvec3> corners) {
 }
 
 Building importModel(const std::filesystem::path& file, UpAxis up, const ImportOptions& options) {
-    return ModelImporter(file, up, options).import(options.beforePart);
+    ModelImporter importer(file, up, options);
+    const double step = importer.rounding();
+    try {
+        return importer.import(options.beforePart);
+    } catch (const InputError&) {
+        for (const double apart : kRoundingApart) {
+            const double coarser = apart * step / (kWeldOfExtent * importer.extent());
+            if (coarser <= 1) continue;
+            try {
+                Building made = ModelImporter(file, up, options, coarser).import(options.beforePart);
+                made.warnings.push_back(fmt::format("coordinates are rounded to {:.1g} m, and as they are "
+                                                    "enclose no room: what is no farther apart than "
+                                                    "{:.2g} m was taken to touch",
+                                                    importer.inBuilding(step),
+                                                    importer.inBuilding(apart * step)));
+                return made;
+            } catch (const InputError&) { // what was wrong before says more
+            }
+        }
+        throw;
+    }
 }
 
 } // namespace heliodon::geometry

@@ -107,8 +107,9 @@ struct Bent {
 
 } // namespace
 
-ModelFaces flatFaces(const RawModel& model, double extent, double worldPerBuilding) {
+ModelFaces flatFaces(const RawModel& model, double extent, double worldPerBuilding, double coarser) {
     ModelFaces out;
+    out.coarser = coarser;
     Bent little, much;
     for (size_t i = 0; i < model.faceCount(); ++i) {
         const SoupFace face{placed(model, i), model.material[i], roleOf(model, i), static_cast<uint32_t>(i)};
@@ -122,7 +123,7 @@ ModelFaces flatFaces(const RawModel& model, double extent, double worldPerBuildi
             out.soup.push_back(face);
             continue;
         }
-        if (bend <= kBentOfExtent * extent)
+        if (bend <= kBentOfExtent * extent / coarser)
             little.add(i, bend);
         else {
             much.add(i, bend);

@@ -24,10 +24,12 @@ struct ModelFaces {
     // By the face's number in the file, world metres: bent so far that which corners its triangles join would
     // make another room. Terrain may be.
     std::map<uint32_t, double> folded;
+    double coarser = 1; // how many times tolerances are wider, of files with few decimals
 };
 
-// Bent faces in triangles, both sides of a wall alike. `extent`: of the model, world metres. Sentences state
-// metres of building, of `worldPerBuilding` world metres each.
-ModelFaces flatFaces(const RawModel& model, double extent, double worldPerBuilding);
+// Bent faces in triangles, both sides of a wall alike. `extent`: of the model, world metres, times `coarser`
+// where the file's decimals ask for wider tolerances. Sentences state metres of building, of
+// `worldPerBuilding` world metres each.
+ModelFaces flatFaces(const RawModel& model, double extent, double worldPerBuilding, double coarser = 1);
 
 } // namespace heliodon::geometry

@@ -114,7 +114,7 @@ private:
         building_.materials = model_.materials;
         const double tolerance = kPlanarOfExtent * extent_;
         const std::optional<GlassPairs> said = pairsAsSaid(tolerance);
-        const GlassPairs glasses = said ? *said : pairGlasses(building_, tolerance, extent_);
+        const GlassPairs glasses = said ? *said : pairGlasses(building_, tolerance, extent_ / faces_.coarser);
         for (const auto& [a, b] : glasses.odd)
             refuse({a, b}, "the glass has another shape or place than that on the other side of its wall");
         if (glasses.nearly > 0)
@@ -199,7 +199,7 @@ private:
     // A wider tolerance, only when the model is open without it and closed with it.
     void closeGaps() {
         for (const double gap : kGapsOfExtent) {
-            if (gap > kWeldOfExtent && !weldsWithin(gap)) continue;
+            if (gap > kWeldOfExtent && (faces_.coarser > 1 || !weldsWithin(gap))) continue;
             const auto edges = facesOfEdges(building_);
             if (!building_.faces.empty() &&
                 std::ranges::none_of(edges, [](const auto& entry) { return entry.second.size() == 1; })) {

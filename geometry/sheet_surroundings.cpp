@@ -6,7 +6,9 @@
 #include <limits>
 #include <numbers>
 #include <optional>
+#include <set>
 #include <string_view>
+#include <tuple>
 
 #include <fmt/format.h>
 #include <glm/geometric.hpp>
@@ -15,6 +17,7 @@
 #include "geometry/bounds.h"
 #include "geometry/box_tree.h"
 #include "geometry/clip_polygon.h"
+#include "geometry/counted.h"
 #include "geometry/face_crossing.h"
 #include "geometry/flat_faces.h"
 #include "geometry/ground_in_rooms.h"
@@ -138,6 +141,37 @@ SheetVerdict judgeSheets(const std::vector<SoupFace>& sheets, const Building& ro
                 {},
                 {}};
     return {std::nullopt, judge.blindWindows(), missing};
+}
+
+std::string sheetsOutside(const std::vector<SoupFace>& sheets,
+                          const std::function<std::string(uint32_t)>& place) {
+    std::set<uint32_t> drawn;
+    for (const SoupFace& sheet : sheets) drawn.insert(sheet.surface);
+    return fmt::format("{} (the first at {}) {} taken to stand outside, as an overhang or the ground drawn "
+                       "as one plane: enclosing nothing, seen from both sides",
+                       counted(drawn.size(), "open face"), place(*drawn.begin()),
+                       drawn.size() == 1 ? "was" : "were");
+}
+
+std::vector<std::string> warningsOf(const SheetVerdict& verdict,
+                                    const std::function<std::string(uint32_t)>& place,
+                                    const std::vector<uint32_t>& source) {
+    std::vector<std::string> out;
+    const MissingSides& missing = verdict.missing;
+    for (const auto& [found, what, as] :
+         {std::tuple(missing.loggia, "a space before a window", "a loggia"),
+          {missing.court, "a space before windows", "a courtyard"},
+          {missing.low, "a low space", "outside, as a kennel, an open attic or a walled garden"}})
+        if (found)
+            out.push_back(
+                fmt::format("{} that lacks its {} (of {} and others) was taken as {}, not as a room", what,
+                            found->side, place(found->surface), as));
+    const std::vector<uint32_t>& blind = verdict.blindWindows;
+    if (!blind.empty())
+        out.push_back(fmt::format(
+            "{} (the first at {}) {} at nothing but these: light enters past their edges alone",
+            counted(blind.size(), "window"), place(source[blind[0]]), blind.size() == 1 ? "looks" : "look"));
+    return out;
 }
 
 } // namespace heliodon::geometry

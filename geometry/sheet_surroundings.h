@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -35,5 +36,14 @@ struct SheetVerdict {
 SheetVerdict judgeSheets(const std::vector<SoupFace>& sheets, const Building& rooms,
                          const std::vector<SoupFace>& solids, bool looksIn, double worldPerBuilding,
                          double tolerance);
+
+// A sentence on sheets without fault. `place`: how a message names a face.
+std::string sheetsOutside(const std::vector<SoupFace>& sheets,
+                          const std::function<std::string(uint32_t)>& place);
+
+// Sentences on what else is guessed without fault. `source`: per face of the rooms, its number in the file.
+std::vector<std::string> warningsOf(const SheetVerdict& verdict,
+                                    const std::function<std::string(uint32_t)>& place,
+                                    const std::vector<uint32_t>& source);
 
 } // namespace heliodon::geometry
