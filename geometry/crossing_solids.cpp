@@ -251,7 +251,7 @@ private:
     // As a house of one piece.
     bool isAboveGlass(uint32_t body) const {
         return std::ranges::any_of(faces_, [&](const FlatFace& face) {
-            return isGlass_(given_[face.surface].material) &&
+            return isGlass_(given_[face.surface].material) && !face.triangles.empty() &&
                    solids_.at(body).isAbove(largestTriangle(face).middle());
         });
     }
@@ -329,7 +329,9 @@ private:
     }
 
     dvec3 pointIn(uint32_t body) const {
-        const FlatFace& face = faces_[static_cast<size_t>(std::ranges::find(body_, body) - body_.begin())];
+        size_t k = 0;
+        while (body_[k] != body || faces_[k].triangles.empty()) ++k; // what is closed has some
+        const FlatFace& face = faces_[k];
         return largestTriangle(face).middle() - 2 * tolerance_ * face.normal;
     }
 

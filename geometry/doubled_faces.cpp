@@ -109,6 +109,7 @@ private:
         }
         const std::vector<FlatFace> flat = flatFacesOf(alone);
         out.triangles = trianglesOf(flat);
+        if (out.triangles.empty()) return std::nullopt;
         out.box = boundsOfFaces(flat);
         for (const ShellTriangle& t : out.triangles) {
             const dvec3 o = out.triangles[0].a;

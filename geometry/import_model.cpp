@@ -10,9 +10,11 @@
 #include <glm/geometric.hpp>
 
 #include "geometry/bounds.h"
+#include "geometry/counted.h"
 #include "geometry/crossing_solids.h"
 #include "geometry/doubled_faces.h"
 #include "geometry/doubled_glass.h"
+#include "geometry/drawn_rooms.h"
 #include "geometry/face_soup.h"
 #include "geometry/glass_panes.h"
 #include "geometry/ground_in_rooms.h"
@@ -25,6 +27,7 @@
 #include "geometry/outline_area.h"
 #include "geometry/raw_model.h"
 #include "geometry/room_measures.h"
+#include "geometry/sheet_boards.h"
 #include "geometry/sheet_surroundings.h"
 #include "geometry/shell_faces.h"
 #include "geometry/shell_nesting.h"
@@ -44,6 +47,10 @@ constexpr double kMostOfGlass = 16;
 // where it does not do.
 constexpr std::array kRoundingApart{1.5, 2.5};
 constexpr double kMostRounding = 2e-4; // of the extent: 1 mm in a room of 5 m
+
+// Metres of building: sheets in rooms are boards of that thickness, or lie on walls no farther behind.
+constexpr double kBoard = 1e-3, kNearWall = 0.02;
+constexpr double kBoardOfTolerance = 8; // at least
 
 class ModelImporter {
 public:
@@ -68,9 +75,26 @@ public:
     double extent() const { return extent_; }
     double inBuilding(double metres) const { return metres / worldPerBuilding(model_.vertices); }
 
+    // Where all else is refused, sheets that stand in rooms are thin boards.
+    Building import(const std::function<void()>& beforePart) {
+        const ModelFaces drawn = faces_;
+        try {
+            return importSolids(beforePart);
+        } catch (const InputError&) {
+            faces_ = drawn;
+            if (!makeBoards()) throw;
+            try {
+                return importSolids(beforePart);
+            } catch (const InputError&) { // what was wrong before says more
+            }
+            throw;
+        }
+    }
+
+private:
     // As drawn, but that solids which run into one another are one; where that is refused or the insides of
     // walls come out as rooms, with those that touch as one, too.
-    Building import(const std::function<void()>& beforePart) {
+    Building importSolids(const std::function<void()>& beforePart) {
         const ModelFaces drawn = faces_;
         std::optional<Building> doubtful;
         std::optional<InputError> wrong;
@@ -102,13 +126,26 @@ public:
         throw InputError(faces_.folded.empty() ? *wrong : foldError(*faces_.folded.begin()), doubtsOfGlass());
     }
 
-private:
     // Glass that was read as a wall is what keeps many a model from closing.
     std::string doubtsOfGlass() const {
         std::string out;
         for (const auto& [material, doubt] : model_.doubts)
             if (std::ranges::find(model_.material, material) != model_.material.end()) out += "; " + doubt;
         return out;
+    }
+
+    bool makeBoards() {
+        unite(Solids::thatCross);
+        const double scale = worldPerBuilding(model_.vertices), tolerance = kWeldOfExtent * extent_;
+        const double thickness = std::max(kBoard * scale, kBoardOfTolerance * tolerance);
+        const auto boards = sheetsAsBoards(faces_.soup, isGlass_, thickness, kNearWall * scale, tolerance);
+        if (!boards) return false;
+        faces_.soup = boards->faces;
+        faces_.warnings.push_back(fmt::format(
+            "{} (the first at {}) in rooms enclose nothing: taken as boards {:.2g} m thick, or that "
+            "lie on the wall or floor which is right behind",
+            counted(boards->sheets, "face"), model_.place(boards->surface), thickness / scale));
+        return true;
     }
 
     bool hasInsideOfWalls(const Building& building) const {
@@ -244,16 +281,7 @@ private:
         if (ground.surface) out = roomsAmong(ground.sheets);
         if (!out) return std::nullopt;
         std::ranges::move(std::exchange(out->sheets, {}), std::back_inserter(ground.sheets));
-        judge(ground, solidsAmong(sheets.closed, *out), lookIn(*out), *out);
-        return out;
-    }
-
-    // What is closed and bounds no room.
-    static std::vector<SoupFace> solidsAmong(const std::vector<SoupFace>& closed, const ModelRooms& rooms) {
-        const std::set<uint32_t> used(rooms.source.begin(), rooms.source.end());
-        std::vector<SoupFace> out;
-        std::ranges::copy_if(closed, std::back_inserter(out),
-                             [&](const SoupFace& face) { return !used.contains(face.surface); });
+        judge(ground, solidsAmong(sheets.closed, *out), lookIn(faces_.soup, *out), *out);
         return out;
     }
 
@@ -280,18 +308,6 @@ private:
                                            "lies in them was left out, their floors are as drawn",
                                            model_.place(*ground.surface)));
         std::ranges::move(warningsOf(verdict, place, rooms.source), std::back_inserter(warnings));
-    }
-
-    // Whether the faces of rooms are drawn so, most of their area.
-    bool lookIn(const ModelRooms& rooms) const {
-        std::map<uint32_t, glm::dvec3> drawn; // twice the area, by the face of the file
-        for (const SoupFace& face : faces_.soup) drawn[face.surface] += areaVector(face.loops[0]);
-        double inwards = 0;
-        for (size_t f = 0; f < rooms.source.size(); ++f) {
-            const glm::dvec3 area = areaVector(rooms.building.vertices, rooms.building.faces[f].loops[0]);
-            inwards += glm::dot(drawn[rooms.source[f]], area) > 0 ? glm::length(area) : -glm::length(area);
-        }
-        return inwards > 0;
     }
 
     // Per room, whether all its faces are glass.
@@ -428,27 +444,6 @@ private:
                     "as wide as its hole and at most a fifth as thick, or flat panes round a corner");
         }
         return std::nullopt;
-    }
-
-    // Of each whether its middle is in a room, itself left out.
-    std::vector<bool> areInRooms(const ModelRooms& rooms, const std::vector<LooseGlass>& loose) const {
-        if (loose.empty()) return {};
-        const Building& building = rooms.building;
-        std::vector<std::pair<uint32_t, ShellTriangle>> all; // with its face in the file
-        for (uint32_t f = 0; f < building.faces.size(); ++f)
-            for (const auto& t : triangulateFace(building, building.faces[f]))
-                all.push_back(
-                    {rooms.source[f], ShellTriangle{building.vertices[t[0]], building.vertices[t[1]],
-                                                    building.vertices[t[2]]}});
-        std::vector<bool> inside;
-        std::vector<ShellTriangle> others;
-        for (const LooseGlass& glass : loose) {
-            others.clear();
-            for (const auto& [face, triangle] : all)
-                if (std::ranges::find(glass.faces, face) == glass.faces.end()) others.push_back(triangle);
-            inside.push_back(crossings(others, glass.middle) % 2 == 1);
-        }
-        return inside;
     }
 
     RawModel model_;

@@ -246,12 +246,11 @@ TEST(OpenSheets, crowns_of_leaves_enclose_no_room_and_hide_none) {
     }
 }
 
-TEST(OpenSheets, in_rooms_and_through_their_walls_they_are_refused) {
+TEST(OpenSheets, through_windows_and_for_the_most_part_outside_they_are_refused) {
     const dvec3 x(1, 0, 0), y(0, 1, 0), z(0, 0, 1);
     for (const auto& [o, u, v] :
          {std::tuple(dvec3(3.3, 0, -10), 14.0 * z, 2.5 * y), // from floor to ceiling
           std::tuple(dvec3(1, 1, -1), 2.0 * x, 1.1 * z),     // as wide as the pane
-          std::tuple(dvec3(1, 1, 2), x, z), std::tuple(dvec3(1, 0, 2), x, y),
           std::tuple(dvec3(1, 1, 4), x, 3.0 * z), std::tuple(dvec3(-1, 0.3, -1), 7.0 * z, 6.0 * x)})
         for (const bool overhang : {false, true}) {
             Drawing drawing(false);

@@ -1,0 +1,244 @@
+#include "geometry/sheet_boards.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <set>
+#include <tuple>
+#include <utility>
+
+#include <glm/mat3x3.hpp>
+#include <glm/matrix.hpp>
+
+#include "geometry/disjoint_sets.h"
+#include "geometry/flat_faces.h"
+#include "geometry/open_sheets.h"
+#include "geometry/outline_area.h"
+#include "geometry/sheet_rooms.h"
+#include "geometry/shell_faces.h"
+
+namespace heliodon::geometry {
+
+namespace {
+
+using glm::dvec3;
+
+constexpr double kMostOffset = 5; // thicknesses: at the tip of a sharp fold
+
+std::vector<SoupFace> numbered(std::vector<SoupFace> faces) {
+    for (uint32_t k = 0; k < faces.size(); ++k) faces[k].surface = k;
+    return faces;
+}
+
+class BoardMaker {
+public:
+    BoardMaker(const std::vector<SoupFace>& sheets, const TriangleRays& walls, double thickness, double near,
+               double tolerance)
+        : sheets_(sheets), walls_(walls), thickness_(thickness), near_(near), tolerance_(tolerance),
+          welded_(weldedByNumber(sheets, tolerance)) {}
+
+    // False where a sheet has one side alone.
+    bool make(std::vector<SoupFace>& out) {
+        const auto edges = facesOfEdges(welded_);
+        DisjointSets sets(welded_.faces.size());
+        for (const auto& [edge, around] : edges)
+            if (around.size() == 2) sets.join(around[0], around[1]);
+        std::map<uint32_t, std::vector<uint32_t>> wholes;
+        for (uint32_t f = 0; f < welded_.faces.size(); ++f) wholes[sets.root(f)].push_back(f);
+        return std::ranges::all_of(wholes,
+                                   [&](const auto& whole) { return makeOne(whole.second, edges, out); });
+    }
+
+private:
+    bool makeOne(const std::vector<uint32_t>& members, const std::map<Edge, std::vector<uint32_t>>& edges,
+                 std::vector<SoupFace>& out) {
+        over_.clear();
+        if (!orient(members, edges)) return false;
+        std::map<uint32_t, std::pair<glm::dmat3, dvec3>> planes; // per corner, sums over its faces
+        for (const uint32_t f : members) {
+            const dvec3 n = normalOf(f);
+            for (const auto& loop : welded_.faces[f].loops)
+                for (const uint32_t v : loop) {
+                    auto& [a, b] = planes.try_emplace(v, glm::dmat3(1e-9), dvec3(0)).first->second;
+                    a += glm::outerProduct(n, n), b += n;
+                }
+        }
+        offset_.clear();
+        for (const auto& [v, sums] : planes) {
+            const dvec3 d = glm::inverse(sums.first) * sums.second;
+            offset_[v] = d * std::min(1.0, kMostOffset / glm::length(d));
+        }
+        const auto [ahead, behind] = depths(members);
+        for (const uint32_t f : members) addSides(f, ahead, behind, edges, out);
+        return true;
+    }
+
+    // Over its edges, all sheets to one side.
+    bool orient(const std::vector<uint32_t>& members, const std::map<Edge, std::vector<uint32_t>>& edges) {
+        std::vector<uint32_t> next{members[0]};
+        over_[members[0]] = false;
+        while (!next.empty()) {
+            const uint32_t f = next.back();
+            next.pop_back();
+            for (const auto& loop : welded_.faces[f].loops)
+                for (size_t k = 0; k < loop.size(); ++k) {
+                    const uint32_t from = loop[k], to = loop[(k + 1) % loop.size()];
+                    const auto& around = edges.at(std::minmax(from, to));
+                    if (around.size() != 2) continue;
+                    const uint32_t g = around[0] == f ? around[1] : around[0];
+                    const bool over = over_.at(f) != runs(g, from, to);
+                    const auto [known, isNew] = over_.try_emplace(g, over);
+                    if (isNew) next.push_back(g);
+                    if (known->second != over) return false;
+                }
+        }
+        return true;
+    }
+
+    bool runs(uint32_t f, uint32_t from, uint32_t to) const {
+        return std::ranges::any_of(welded_.faces[f].loops, [&](const std::vector<uint32_t>& loop) {
+            for (size_t k = 0; k < loop.size(); ++k)
+                if (loop[k] == from && loop[(k + 1) % loop.size()] == to) return true;
+            return false;
+        });
+    }
+
+    dvec3 normalOf(uint32_t f) const {
+        const dvec3 n = glm::normalize(areaVector(welded_.vertices, welded_.faces[f].loops[0]));
+        return over_.at(f) ? -n : n;
+    }
+
+    // How far it reaches before the sheet and behind it.
+    std::pair<double, double> depths(const std::vector<uint32_t>& members) const {
+        const dvec3 n = normalOf(members[0]);
+        const double half = 0.5 * thickness_;
+        if (std::ranges::any_of(members,
+                                [&](uint32_t f) { return glm::dot(normalOf(f), n) < kOnePlaneCosine; }))
+            return {half, half};
+        for (const double side : {1.0, -1.0}) {
+            double most = 0;
+            bool all = true;
+            for (const uint32_t f : members) {
+                dvec3 middle(0);
+                const auto& loop = welded_.faces[f].loops[0];
+                for (const uint32_t v : loop) middle += welded_.vertices[v] / double(loop.size());
+                for (const uint32_t v : loop) { // not along the border of the wall
+                    const dvec3 p = glm::mix(welded_.vertices[v], middle, 1e-3);
+                    const double far = walls_.nearest(p, side * n, near_);
+                    all &= far <= near_;
+                    most = std::max(most, far);
+                }
+            }
+            if (all) return side > 0 ? std::pair(most + thickness_, 0.0) : std::pair(0.0, most + thickness_);
+        }
+        return {half, half};
+    }
+
+    void addSides(uint32_t f, double ahead, double behind, const std::map<Edge, std::vector<uint32_t>>& edges,
+                  std::vector<SoupFace>& out) const {
+        const Face& face = welded_.faces[f];
+        const SoupFace& sheet = sheets_[face.surface];
+        const bool over = over_.at(f);
+        const auto at = [&](uint32_t v, double depth) { return welded_.vertices[v] + depth * offset_.at(v); };
+        // As it is drawn, and its back.
+        const double drawn = over ? -behind : ahead, turned = over ? ahead : -behind;
+        const auto add = [&](const std::vector<std::vector<dvec3>>& loops, bool isBack) {
+            out.push_back(sheet);
+            out.back().loops = loops;
+            if (isBack) out.back().material = sheet.behind.value_or(sheet.material);
+        };
+        std::vector<std::vector<dvec3>> front, back;
+        for (const auto& loop : face.loops) {
+            front.emplace_back(), back.emplace_back();
+            for (const uint32_t v : loop)
+                front.back().push_back(at(v, drawn)), back.back().push_back(at(v, turned));
+            std::ranges::reverse(back.back());
+            for (size_t k = 0; k < loop.size(); ++k) {
+                const uint32_t a = loop[k], b = loop[(k + 1) % loop.size()];
+                if (edges.at(std::minmax(a, b)).size() == 2) continue;
+                const std::vector<dvec3> rim{at(a, turned), at(b, turned), at(b, drawn), at(a, drawn)};
+                const dvec3 n = glm::normalize(areaVector(rim));
+                if (std::abs(glm::dot(rim[1] - rim[0], n)) + std::abs(glm::dot(rim[3] - rim[0], n)) <
+                    tolerance_)
+                    add({rim}, false);
+                else
+                    add({{rim[0], rim[1], rim[2]}}, false), add({{rim[0], rim[2], rim[3]}}, false);
+            }
+        }
+        add(front, false), add(back, true);
+    }
+
+    const std::vector<SoupFace>& sheets_;
+    const TriangleRays& walls_;
+    double thickness_, near_, tolerance_;
+    Building welded_;
+    std::map<uint32_t, bool> over_;    // per face of one whole
+    std::map<uint32_t, dvec3> offset_; // per corner of one whole: by which all its faces move by one
+};
+
+// Most of it, on both its sides.
+bool liesIn(const SheetRooms& rooms, const FlatFace& piece, double tolerance) {
+    const ShellTriangle& t = largestTriangle(piece);
+    return std::ranges::all_of(std::array{t.middle(), t.a, t.b, t.c}, [&](dvec3 corner) {
+        const dvec3 p = glm::mix(t.middle(), corner, 0.8), off = 2 * tolerance * piece.normal;
+        return rooms.enclose(p + off) && rooms.enclose(p - off);
+    });
+}
+
+// Those with the same corners once, the other's material behind.
+std::vector<SoupFace> drawnOnce(const std::vector<SoupFace>& faces) {
+    std::map<std::vector<std::tuple<double, double, double>>, size_t> known;
+    std::vector<SoupFace> out;
+    for (const SoupFace& face : faces) {
+        std::vector<std::tuple<double, double, double>> corners;
+        for (const auto& loop : face.loops)
+            for (const dvec3 p : loop) corners.emplace_back(p.x, p.y, p.z);
+        std::ranges::sort(corners);
+        const auto [first, isNew] = known.try_emplace(std::move(corners), out.size());
+        if (isNew)
+            out.push_back(face);
+        else if (glm::dot(areaVector(out[first->second].loops[0]), areaVector(face.loops[0])) < 0)
+            out[first->second].behind = face.material;
+    }
+    return out;
+}
+
+} // namespace
+
+std::optional<SheetBoards> sheetsAsBoards(const std::vector<SoupFace>& faces,
+                                          const std::function<bool(uint32_t)>& isGlass, double thickness,
+                                          double near, double tolerance) {
+    std::set<uint32_t> inRooms;
+    std::vector<SoupFace> left = numbered(faces);
+    // Again for those that lie on others: of a piece that is drawn twice only one is told.
+    for (bool changed = true; changed;) {
+        changed = false;
+        const auto parts = openSheets(
+            left, [](uint32_t) { return false; }, tolerance);
+        if (!parts) break;
+        const SheetRooms rooms(parts->closed, isGlass, tolerance);
+        for (const FlatFace& piece : flatFacesOf(weldedByNumber(parts->open, tolerance))) {
+            const SoupFace& open = parts->open[piece.surface];
+            if (!isGlass(open.material) && !piece.triangles.empty() && liesIn(rooms, piece, tolerance))
+                changed |= inRooms.insert(open.surface).second;
+        }
+        std::erase_if(left, [&](const SoupFace& face) { return inRooms.contains(face.surface); });
+    }
+    if (inRooms.empty()) return std::nullopt;
+    SheetBoards out{.faces = {}, .sheets = inRooms.size(), .surface = faces[*inRooms.begin()].surface};
+    std::vector<SoupFace> sheets, walls;
+    for (uint32_t k = 0; k < faces.size(); ++k) {
+        if (inRooms.contains(k)) {
+            sheets.push_back(faces[k]);
+            continue;
+        }
+        out.faces.push_back(faces[k]);
+        if (!isGlass(faces[k].material)) walls.push_back(faces[k]);
+    }
+    const TriangleRays rays(trianglesOf(flatFacesOf(weldedByNumber(walls, tolerance))), tolerance);
+    if (!BoardMaker(drawnOnce(sheets), rays, thickness, near, tolerance).make(out.faces)) return std::nullopt;
+    return out;
+}
+
+} // namespace heliodon::geometry

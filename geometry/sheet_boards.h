@@ -1,0 +1,28 @@
+// Sheets without thickness that stand in rooms, as curtains, screens and rugs, as thin boards.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <vector>
+
+#include "geometry/face_soup.h"
+
+namespace heliodon::geometry {
+
+struct SheetBoards {
+    std::vector<SoupFace> faces; // all, boards in place of sheets
+    size_t sheets = 0;           // faces that became boards
+    uint32_t surface = 0;        // of the first
+};
+
+// Each face of which a part hangs open (geometry/open_sheets) within what the others enclose becomes, with
+// those that it shares an edge with, a closed board whose faces look out of it, each side with its material:
+// `thickness` (metres), half on either side, but back to a wall that is parallel and `near` at most. Glass
+// (`isGlass` of a material) is none. None where there is no such face, or one has one side alone, like a
+// Moebius strip. Corners are one within `tolerance` (metres). Cost: that of openSheets().
+std::optional<SheetBoards> sheetsAsBoards(const std::vector<SoupFace>& faces,
+                                          const std::function<bool(uint32_t)>& isGlass, double thickness,
+                                          double near, double tolerance);
+
+} // namespace heliodon::geometry

@@ -1,0 +1,114 @@
+// Sheets that stand in a room hide and reflect light on both sides: boards of a millimetre.
+#include "geometry/sheet_boards.h"
+
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "geometry/input_error.h"
+#include "tests/geometry/sheet_drawing.h"
+
+namespace heliodon::geometry {
+
+namespace {
+
+struct Read {
+    double size = 0;                    // of the air
+    std::map<std::string, double> area; // by material
+};
+
+Read read(Drawing& drawing) {
+    const Building building = drawing.read();
+    EXPECT_EQ(building.roomCount, 1u);
+    EXPECT_TRUE(std::ranges::any_of(building.warnings, [](const std::string& warning) {
+        return warning.find("enclose nothing: taken as boards") < warning.npos;
+    }));
+    const PatchMesh mesh = meshBuilding(building, {300});
+    Read out{volume(mesh), {}};
+    for (size_t i = 0; i < mesh.patchCount(); ++i)
+        out.area[mesh.materials[mesh.material[i]].name] += 0.5 * glm::length(patchAreaVector(mesh, i));
+    return out;
+}
+
+} // namespace
+
+TEST(SheetBoards, sheets_in_a_room_are_seen_from_both_sides) {
+    const dvec3 x(1, 0, 0), y(0, 1, 0), z(0, 0, 1);
+    const double fold = std::hypot(0.2, 0.04);
+    const std::map<std::string, std::pair<Sheets, double>> cases{
+        // with their area, of one side
+        {"a table's top",
+         {[&](Drawing& d) {
+              d.sheet({1, 0.75, 2}, 0.7 * z, 1.2 * x);
+          },
+          0.84}},
+        {"a screen on the floor",
+         {[&](Drawing& d) {
+              d.sheet({1, 0, 2.5}, 1.5 * x, 1.8 * y);
+          },
+          2.7}},
+        {"a partition that leaves a way",
+         {[&](Drawing& d) {
+              d.sheet({0, 0, 2.5}, 2.5 * x, 2.5 * y);
+          },
+          6.25}},
+        {"one through walls",
+         {[&](Drawing& d) {
+              d.sheet({-0.1, -0.1, 2.5}, 2.6 * x, 2.7 * y);
+          },
+          6.25}},
+        {"screens that cross",
+         {[&](Drawing& d) {
+              d.sheet({1, 0, 2.5}, 1.5 * x, 1.5 * y), d.sheet({1.75, 0, 1.75}, 1.5 * z, 1.5 * y);
+          },
+          4.5}},
+        {"a bookcase",
+         {[&](Drawing& d) {
+              d.sheet({1, 0, 1}, 1.8 * y, 0.8 * x), d.sheet({1, 0, 1}, 0.3 * z, 1.8 * y);
+              d.sheet({1.8, 0, 1}, 1.8 * y, 0.3 * z), d.sheet({1, 0.9, 1}, 0.3 * z, 0.8 * x);
+          },
+          1.44 + 2 * 0.54 + 0.24}},
+        {"a curtain",
+         {[&](Drawing& d) {
+              for (int k = 0; k < 10; ++k)
+                  d.sheet({1 + 0.2 * k, 0.1, k % 2 ? 0.09 : 0.05}, {0.2, 0, k % 2 ? -0.04 : 0.04}, 2.2 * y);
+          },
+          22 * fold}}};
+    for (const auto& [what, expected] : cases)
+        for (const bool over : {false, true}) {
+            SCOPED_TRACE(what);
+            Drawing drawing(false);
+            drawing.room(0, -1, true);
+            drawing.twoSided = over;
+            expected.first(drawing);
+            const auto [size, area] = read(drawing);
+            EXPECT_NEAR(size, 50 - 1e-3 * expected.second, 1.5e-5);
+            EXPECT_NEAR(area.at("wall"), 2 * 20 + 2 * 12.5 + 2 * 10 - 2.4 + 2 * expected.second, 0.05);
+        }
+}
+
+// What lies right before a wall lies on it, each side has its material, and nothing is left behind it.
+TEST(SheetBoards, posters_and_rugs_lie_on_what_is_behind) {
+    Drawing drawing(false);
+    drawing.room(0, -1, true);
+    drawing.face("paint", {{0.003, 1, 1}, {0.003, 1.8, 1}, {0.003, 1.8, 1.6}, {0.003, 1, 1.6}});
+    drawing.face("paint", {{1, 0.001, 1}, {1, 0.001, 2.5}, {3, 0.001, 2.5}, {3, 0.001, 1}});
+    const auto [size, area] = read(drawing);
+    EXPECT_NEAR(size, 50 - 0.48 * 0.003 - 3 * 0.001, 1e-5);
+    EXPECT_NEAR(area.at("paint"), 0.48 + 3 + 2.8 * 0.003 + 7 * 0.001, 1e-3);
+    EXPECT_NEAR(area.at("wall"), 85 - 2.4 - 0.48 - 3, 1e-3);
+}
+
+TEST(SheetBoards, each_side_has_its_material) {
+    Drawing drawing(false);
+    drawing.room(0, -1, true);
+    const std::vector<dvec3> down{{1, 0.75, 2}, {2, 0.75, 2}, {2, 0.75, 3}, {1, 0.75, 3}};
+    drawing.face("paint", down);
+    drawing.face("wall", {down.rbegin(), down.rend()});
+    EXPECT_NEAR(read(drawing).area.at("paint"), 1, 0.005);
+}
+
+} // namespace heliodon::geometry
