@@ -84,7 +84,8 @@ public:
             faces_ = drawn;
             if (!makeBoards()) throw;
             try {
-                return importSolids(beforePart);
+                Building made = importSolids(beforePart);
+                if (!hasInsideOfWalls(made)) return made;
             } catch (const InputError&) { // what was wrong before says more
             }
             throw;
