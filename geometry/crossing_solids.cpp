@@ -47,7 +47,7 @@ public:
         for (const FlatFace& face : faces_)
             boxes_.push_back({face.box.low - tolerance, face.box.high + tolerance});
         tree_.emplace(boxes_);
-        straighten();
+        if (solids_.size() > 1) straighten();
     }
 
     std::optional<UnitedSolids> unite(Solids which) {
@@ -55,6 +55,7 @@ public:
         UnitedSolids out;
         findMeeting(which, out);
         findThrough(out);
+        if (solids_.size() == 1 && out.through > 0) straighten();
         if (meets_.size() + through_.size() > kMostSolids || out.solids + out.through == 0)
             return std::nullopt;
         std::vector<bool> isCut(given_.size(), false);

@@ -1,6 +1,8 @@
 #include "geometry/doubled_faces.h"
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <map>
 #include <optional>
 #include <set>
@@ -9,6 +11,7 @@
 
 #include "geometry/disjoint_sets.h"
 #include "geometry/flat_faces.h"
+#include "geometry/key_hash.h"
 #include "geometry/outline_area.h"
 #include "geometry/shell_faces.h"
 #include "geometry/shell_nesting.h"
@@ -38,7 +41,7 @@ public:
 
     size_t halve() {
         if (std::ranges::none_of(faces_, [&](const SoupFace& f) { return isGlass_(f.material); })) return 0;
-        if (!findBacks()) return 0;
+        if (!mayBeDoubled() || !findBacks()) return 0;
         std::vector<Piece> pieces = closedPieces(false);
         for (Piece& piece : closedPieces(true)) pieces.push_back(std::move(piece));
         return keepOne(pieces);
@@ -46,6 +49,21 @@ public:
 
 private:
     bool isOpaque(size_t k) const { return !isGlass_(faces_[k].material); }
+
+    // Far sooner than findBacks(): false where no two faces have the same corners.
+    bool mayBeDoubled() const {
+        std::vector<size_t> keys; // of corners in whatever order
+        for (size_t k = 0; k < faces_.size(); ++k) {
+            if (!isOpaque(k)) continue;
+            size_t& key = keys.emplace_back(0);
+            for (const auto& loop : faces_[k].loops)
+                for (const dvec3 p : loop)
+                    key += KeyHash()(std::array{std::bit_cast<int64_t>(p.x), std::bit_cast<int64_t>(p.y),
+                                                std::bit_cast<int64_t>(p.z)});
+        }
+        std::ranges::sort(keys);
+        return std::ranges::adjacent_find(keys) != keys.end();
+    }
 
     // Of faces with the same corners the first that looks the other way, as programs write both alike.
     bool findBacks() {
