@@ -25,6 +25,7 @@
 #include "geometry/model_rooms.h"
 #include "geometry/open_sheets.h"
 #include "geometry/outline_area.h"
+#include "geometry/panes_within_room.h"
 #include "geometry/raw_model.h"
 #include "geometry/room_measures.h"
 #include "geometry/sheet_boards.h"
@@ -218,20 +219,38 @@ private:
         return high.x < low.x ? -1 : glm::length(high - low);
     }
 
+    // With room for the glass of panes that have one room on both sides, where nothing else is refused.
     ModelRooms rooms(const std::set<uint32_t>& made, const std::function<void()>& beforePart) const {
+        try {
+            return roomsOf(faces_, made, beforePart);
+        } catch (const InputError&) {
+            auto within = panesWithinRoom(faces_.soup, isGlass_, kWeldOfExtent * extent_);
+            if (!within) throw;
+            ModelFaces faces = faces_;
+            faces.soup = std::move(within->soup);
+            ModelRooms out = roomsOf(faces, made, beforePart);
+            out.building.repairs.push_back(
+                fmt::format("{} with one room on both sides: seen through, as glass with a thickness",
+                            counted(within->panes, "pane")));
+            return out;
+        }
+    }
+
+    ModelRooms roomsOf(const ModelFaces& faces, const std::set<uint32_t>& made,
+                       const std::function<void()>& beforePart) const {
         std::optional<ModelRooms> out;
         try {
-            out = roomsOfModel(model_, faces_, extent_, made, beforePart);
+            out = roomsOfModel(model_, faces, extent_, made, beforePart);
         } catch (const InputError&) {
-            out = roomsBesideSheets(made, beforePart);
+            out = roomsBesideSheets(faces, made, beforePart);
             if (!out) throw;
         }
         if (!out->sheets.empty()) {
             const GroundOutside sheets{std::exchange(out->sheets, {}), {}, {}};
-            judge(sheets, solidsAmong(faces_.soup, *out), false, *out);
+            judge(sheets, solidsAmong(faces.soup, *out), false, *out);
         }
         for (const uint32_t f : out->source)
-            if (const auto folded = faces_.folded.find(f); folded != faces_.folded.end())
+            if (const auto folded = faces.folded.find(f); folded != faces.folded.end())
                 throw foldError(*folded);
         return std::move(*out);
     }
@@ -245,22 +264,23 @@ private:
 
     // Where nothing but open sheets outside of them keeps the model from closing, or the ground drawn as a
     // solid that rooms reach into.
-    std::optional<ModelRooms> roomsBesideSheets(const std::set<uint32_t>& made,
+    std::optional<ModelRooms> roomsBesideSheets(const ModelFaces& all, const std::set<uint32_t>& made,
                                                 const std::function<void()>& beforePart) const {
         const double tolerance = kWeldOfExtent * extent_;
-        std::optional<OpenSheets> sheets = openSheets(faces_.soup, isGlass_, tolerance);
+        std::optional<OpenSheets> sheets = openSheets(all.soup, isGlass_, tolerance);
         if (sheets)
-            if (auto out = roomsBeside(*sheets, made, beforePart)) return out;
-        auto solid = openGround(sheets ? sheets->closed : faces_.soup, isGlass_, tolerance);
+            if (auto out = roomsBeside(all, *sheets, made, beforePart)) return out;
+        auto solid = openGround(sheets ? sheets->closed : all.soup, isGlass_, tolerance);
         if (!solid) return std::nullopt;
         if (sheets) solid->open.insert(solid->open.end(), sheets->open.begin(), sheets->open.end());
-        return roomsBeside(*solid, made, beforePart);
+        return roomsBeside(all, *solid, made, beforePart);
     }
 
-    std::optional<ModelRooms> roomsBeside(const OpenSheets& sheets, const std::set<uint32_t>& made,
+    std::optional<ModelRooms> roomsBeside(const ModelFaces& all, const OpenSheets& sheets,
+                                          const std::set<uint32_t>& made,
                                           const std::function<void()>& beforePart) const {
         const auto roomsAmong = [&](const std::vector<SoupFace>& open) -> std::optional<ModelRooms> {
-            ModelFaces faces = faces_;
+            ModelFaces faces = all;
             faces.soup = sheets.closed;
             for (const SoupFace& sheet : open)
                 for (const bool over : {false, true}) {

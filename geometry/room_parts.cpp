@@ -122,6 +122,8 @@ private:
                     crossings(part.triangles, partOf(own[0]).triangles.front().a) % 2 == 1)
                     around[shell].push_back(id);
         const auto nested = [&](uint32_t shell) { return around[shell].size() % 2 == 1; };
+        for (const auto& [id, part] : space_.parts)
+            if (part.inGlass) solid_.insert(id);
         dropOutsides(shells, around);
         findWallsOfWindows(shells, around);
         for (const auto& [id, part] : space_.parts) // nothing but a closed box in a room's air

@@ -95,11 +95,19 @@ private:
         }
     }
 
+    void findInGlass() {
+        for (uint32_t f = 0; f < out_.welded.faces.size(); ++f)
+            for (uint32_t turned = 0; turned < 2; ++turned)
+                for (const uint32_t k : out_.sheetOf(f).drawn[turned])
+                    if (faces_[k].twinKey >= 0) out_.parts[out_.partAt(f, 1 - turned)].inGlass = true;
+    }
+
     void findAlcoves() {
         std::map<uint32_t, std::set<uint32_t>> beyond; // its glass, per part
         const auto isOfGlass = [&](const auto& list) {
             return std::ranges::any_of(list, [&](uint32_t k) { return isGlass_(faces_[k].material); });
         };
+        findInGlass();
         for (uint32_t f = 0; f < out_.welded.faces.size(); ++f) {
             const bool glass = std::ranges::any_of(out_.sheetOf(f).drawn, isOfGlass);
             for (uint32_t s = 0; s < 2; ++s) {
@@ -107,7 +115,7 @@ private:
                 out_.parts[id].neighbours.insert(other);
                 if (out_.parts[other].volume <= 0)
                     (glass ? out_.parts[id].window : out_.parts[id].open) += out_.area[f];
-                if (!glass) continue;
+                if (!glass || out_.parts[id].inGlass || out_.parts[other].inGlass) continue;
                 beyond[id].insert(other);
                 out_.parts[id].glass += out_.area[f];
             }

@@ -26,6 +26,7 @@ struct SpacePart {
     // What has glass to one part alone, which has other glass, is air: else light would come from nowhere.
     bool alcove = false;
     bool between = false;          // it has glass to two others or more
+    bool inGlass = false;          // behind faces of one pane (SoupFace::twinKey): the glass itself
     double glass = 0;              // area: of glass
     double window = 0, open = 0;   // of glass that looks outside, of what else parts it from the outside
     std::set<uint32_t> neighbours; // parts beyond its boundary

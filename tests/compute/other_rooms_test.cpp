@@ -320,6 +320,38 @@ TEST(OtherRooms, sky_and_walls_are_seen_through_interior_glass) {
     expectInside(mesh, few, test::overcast(), sensors, 0.12);
 }
 
+// A window in a partition that air runs round: light passes it as between two rooms.
+TEST(OtherRooms, a_pane_within_a_room_lets_its_share_of_the_light_through) {
+    test::BoxRoom box{.cells = {4, 3, 5}};
+    box.isGlass = [](dvec3 p) { return p.z < 1e-9 && p.x > 1 && p.x < 3 && p.y > 1 && p.y < 2; };
+    const std::string file = testing::TempDir() + "pane_within.obj";
+    const auto read = [&](bool pane, uint32_t triangles) {
+        geometry::writeModel(test::boxRoom(box), file);
+        std::ofstream out(file, std::ios::app);
+        out << "o partition\nusemtl wall\n";
+        for (const auto& [x0, x1, y0, y1] :
+             {std::array{1, 2, 0, 3}, {2, 3, 0, 1}, {2, 3, 2, 3}, {3, 4, 0, 3}}) { // no door in x < 1
+            for (const double z : {2.5, 2.6})
+                for (const auto& [x, y] : {std::pair(x0, y0), {x1, y0}, {x1, y1}, {x0, y1}})
+                    out << "v " << x << ' ' << y << ' ' << z << '\n';
+            out << "f -5 -6 -7 -8\nf -4 -3 -2 -1\nf -8 -7 -3 -4\nf -7 -6 -2 -3\nf -6 -5 -1 -2\nf -5 -8 -4 "
+                   "-1\n";
+        }
+        if (pane) out << "usemtl glass\nv 2 1 2.55\nv 3 1 2.55\nv 3 2 2.55\nv 2 2 2.55\nf -4 -3 -2 -1\n";
+        out.close();
+        return geometry::meshBuilding(geometry::importModel(file), {triangles});
+    };
+    const std::vector<Sensor> sensors{
+        {{2.5, 1.5, 2.7}, {0, 0, -1}}, {{2.3, 1.4, 4.5}, {0, 0, -1}}, {{2.5, 0.8, 1.5}, {0, 0, 1}}};
+    const geometry::PatchMesh mesh = read(true, 600);
+    EXPECT_EQ(mesh.room, std::vector<uint32_t>(mesh.patchCount(), 0));
+    expectInside(mesh, read(true, 60), test::overcast(), sensors, 0.06);
+    DaylightTransport glass(test::device(), mesh), hole(test::device(), read(false, 600));
+    glass.setSensors(sensors), hole.setSensors(sensors);
+    const Moment through = glass.light(test::overcast()), open = hole.light(test::overcast());
+    EXPECT_NEAR(photometric(through.sensors[1].sky) / photometric(open.sensors[1].sky), 0.88, 0.003);
+}
+
 TEST(OtherRooms, low_sun_in_a_turned_room_with_three_windows) {
     geometry::PatchMesh mesh = threeWindows(4), coarse = threeWindows(1, false);
     turnAndRound(mesh, 37), turnAndRound(coarse, 37);
