@@ -22,6 +22,7 @@
 #include "geometry/model_surfaces.h"
 #include "geometry/outline_area.h"
 #include "geometry/outside_shade.h"
+#include "geometry/pinched_shells.h"
 #include "geometry/ray_crossing.h"
 #include "geometry/shared_walls.h"
 #include "geometry/shell_faces.h"
@@ -33,7 +34,14 @@ namespace {
 
 // Where corners of files' digits leave the model open: gaps that nobody sees, 0.5 mm in a room of 5 m.
 constexpr std::array kGapsOfExtent{kWeldOfExtent, 2e-5, 1e-4};
+constexpr double kPinchOfExtent = 1e-9;      // nothing that anyone sees
 constexpr double kLeastRoomOfExtent = 1e-15; // of its cube: less is what rounding leaves
+
+// Keys are of a sketch's windows, in metres on the table: pairGlasses() finds the twins of models.
+std::vector<SoupFace> withoutKeys(std::vector<SoupFace> faces) {
+    for (SoupFace& face : faces) face.twinKey = -1;
+    return faces;
+}
 
 class RoomMaker {
 public:
@@ -41,7 +49,7 @@ public:
         : model_(model), faces_(faces), made_(made), extent_(extent) {}
 
     ModelRooms make(const std::function<void()>& beforePart) {
-        bool tried = false;
+        bool tried = false, placed = false;
         const auto then = [&](auto part) {
             beforePart();
             return (this->*part)();
@@ -57,11 +65,18 @@ public:
             then(&RoomMaker::nestShells);
             then(&RoomMaker::splitSharedCorners);
             then(&RoomMaker::finish);
+            placed = true;
             then(&RoomMaker::prove);
-            then(&RoomMaker::dropBodies);
-        } catch (const InputError&) {
-            if (tried || !shareWalls()) throw;
+        } catch (const InputError& wrong) {
+            if (!tried && shareWalls()) return done();
+            if (!placed || !openPinches()) throw;
+            try {
+                prove();
+            } catch (const InputError&) { // what was wrong before says more
+                throw InputError(wrong);
+            }
         }
+        then(&RoomMaker::dropBodies);
         return done();
     }
 
@@ -171,7 +186,7 @@ private:
         if (!space || proveShells(space->outside)[0].selfIntersecting) return false;
         for (const auto& [one, other] : space->pairs) refuseOpeningOnWall(one, other);
         const auto before = std::tuple(building_, source_, turnedOver_);
-        building_ = weldFaces(space->faces, space->rooms, weldOfExtent_ * extent_);
+        building_ = weldFaces(withoutKeys(space->faces), space->rooms, weldOfExtent_ * extent_);
         source_.clear();
         for (const Face& face : building_.faces) source_.push_back(face.surface);
         turnedOver_ = 0;
@@ -180,7 +195,7 @@ private:
         building_.warnings = space->warnings;
         finish();
         try {
-            proveRooms();
+            proveOpened();
             outer_ = space->outer;
             sheets_ = space->sheets;
             return true;
@@ -226,7 +241,7 @@ private:
 
     void weld() {
         source_.clear();
-        building_ = weldFaces(faces_.soup, 1, weldOfExtent_ * extent_);
+        building_ = weldFaces(withoutKeys(faces_.soup), 1, weldOfExtent_ * extent_);
         if (!faces_.repair.empty()) building_.repairs.push_back(faces_.repair);
         std::map<std::vector<uint32_t>, uint32_t> known; // by corners, the face of the file
         std::map<std::pair<uint32_t, uint32_t>, std::vector<std::pair<uint32_t, uint32_t>>> otherMaterials;
@@ -448,6 +463,20 @@ private:
         for (uint32_t f = 0; f < building_.faces.size(); ++f)
             if (building_.faces[f].room == room) out.push_back(f);
         return out;
+    }
+
+    // Where bodies touch in edges or corners alone, with corners for each.
+    void proveOpened() {
+        try {
+            proveRooms();
+        } catch (const InputError&) {
+            if (!openPinches()) throw;
+            proveRooms();
+        }
+    }
+
+    bool openPinches() {
+        return geometry::openPinches(building_, kPinchOfExtent * extent_, weldOfExtent_ * extent_);
     }
 
     void proveRooms() {

@@ -111,6 +111,13 @@ private:
         return out;
     }
 
+    // Nothing but the air of a room with windows is about it, which it touches in edges alone.
+    bool isIsland(const SpacePart& part) const {
+        if (part.glass > 0 || part.neighbours.size() != 1) return false;
+        const SpacePart& around = partOf(*part.neighbours.begin());
+        return around.volume > 0 && around.window > 0 && around.shell == part.shell;
+    }
+
     // Which parts are rooms, and of which room's air those are that lie outside of a shell.
     void placeParts() {
         std::map<uint32_t, std::vector<uint32_t>> shells; // parts of each
@@ -119,7 +126,7 @@ private:
         for (const auto& [shell, own] : shells)
             for (const auto& [id, part] : space_.parts)
                 if (part.shell != shell && part.volume > 0 && !part.triangles.empty() &&
-                    crossings(part.triangles, partOf(own[0]).triangles.front().a) % 2 == 1)
+                    crossings(part.triangles, partOf(own[0]).triangles.front().middle()) % 2 == 1)
                     around[shell].push_back(id);
         const auto nested = [&](uint32_t shell) { return around[shell].size() % 2 == 1; };
         for (const auto& [id, part] : space_.parts)
@@ -128,6 +135,8 @@ private:
         findWallsOfWindows(shells, around);
         for (const auto& [id, part] : space_.parts) // nothing but a closed box in a room's air
             if (part.volume > 0 && nested(part.shell) && shells[part.shell].size() == 2) solid_.insert(id);
+        for (const auto& [id, part] : space_.parts)
+            if (part.volume > 0 && isIsland(part)) solid_.insert(id);
         findWallsAllRound();
         findSolids(nested);
         for (const auto& [id, part] : space_.parts)
