@@ -209,11 +209,13 @@ TEST(HardCases, slabs_a_micrometre_apart_close) {
             EXPECT_NEAR(sum, 1, 5e-3) << "gap " << gap << ", turned by " << turn << ", row " << i;
         }
         EXPECT_LT(F.factors.report.claimedRowError, 2e-3);
-        // Of patches, however many pieces what is covered leaves of them.
+        // Of patches, however many pieces what is covered leaves of them; rows behind crowds are claimed as
+        // cautiously as their entries, up to 2.6 times.
         double squares = 0;
         for (float error : F.rowError) squares += std::pow(double{error}, 2);
-        EXPECT_NEAR(1.3 * F.factors.report.claimedRowError / std::sqrt(squares / static_cast<double>(n)), 1,
-                    1e-3);
+        const double caution = std::sqrt(squares / static_cast<double>(n)) / F.factors.report.claimedRowError;
+        EXPECT_GT(caution, 1.3 * 0.999);
+        EXPECT_LT(caution, 1.3 * 2.6 * 1.001);
     }
 }
 
