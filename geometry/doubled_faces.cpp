@@ -146,7 +146,7 @@ private:
         std::vector<bool> gone(faces_.size(), false);
         size_t count = 0;
         for (const Piece& piece : pieces) {
-            const bool wrongWay = (piece.volume > 0) == looksIn(piece, pieces);
+            const bool wrongWay = (piece.volume > 0) == piece.hasGlass; // rooms look in, furniture out
             for (size_t f = 0; f < piece.faces.size(); ++f) {
                 const uint32_t k = piece.faces[f];
                 if (!back_[k].has_value()) {
@@ -162,25 +162,6 @@ private:
             if (!gone[k]) std::swap(faces_[kept++], faces_[k]);
         faces_.resize(kept);
         return count;
-    }
-
-    static bool looksIn(const Piece& piece, const std::vector<Piece>& pieces) {
-        if (piece.hasGlass) return true;
-        bool holds = false;
-        for (const Piece& other : pieces) {
-            if (&other == &piece) continue;
-            if (isRound(other, piece)) return false;
-            if (!isRound(piece, other)) continue;
-            if (other.hasGlass) return false; // round the walls of a room
-            holds = true;
-        }
-        return holds;
-    }
-
-    static bool isRound(const Piece& outer, const Piece& inner) {
-        return glm::all(glm::lessThan(outer.box.low, inner.box.low)) &&
-               glm::all(glm::greaterThan(outer.box.high, inner.box.high)) &&
-               crossings(outer.triangles, inner.triangles[0].a) % 2 == 1;
     }
 
     std::vector<SoupFace>& faces_;

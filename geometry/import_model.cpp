@@ -137,10 +137,12 @@ private:
     }
 
     bool makeBoards() {
+        const std::vector<SoupFace> drawn = faces_.soup;
         unite(Solids::thatCross);
         const double scale = worldPerBuilding(model_.vertices), tolerance = kWeldOfExtent * extent_;
         const double thickness = std::max(kBoard * scale, kBoardOfTolerance * tolerance);
-        const auto boards = sheetsAsBoards(faces_.soup, isGlass_, thickness, kNearWall * scale, tolerance);
+        const auto boards =
+            sheetsAsBoards(faces_.soup, drawn, isGlass_, thickness, kNearWall * scale, tolerance);
         if (!boards) return false;
         faces_.soup = boards->faces;
         faces_.warnings.push_back(fmt::format(

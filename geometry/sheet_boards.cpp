@@ -25,6 +25,8 @@ namespace {
 using glm::dvec3;
 
 constexpr double kMostOffset = 5; // thicknesses: at the tip of a sharp fold
+constexpr double kAlmost = 0.25;  // of `near`: a sheet that ends so little before a wall was to reach it
+constexpr size_t kMostShared = 1; // edges with what is no sheet: more has the last face of a broken body
 
 std::vector<SoupFace> numbered(std::vector<SoupFace> faces) {
     for (uint32_t k = 0; k < faces.size(); ++k) faces[k].surface = k;
@@ -38,7 +40,7 @@ public:
         : sheets_(sheets), walls_(walls), thickness_(thickness), near_(near), tolerance_(tolerance),
           welded_(weldedByNumber(sheets, tolerance)) {}
 
-    // False where a sheet has one side alone.
+    // False where a sheet has one side alone, or ends a hair before a wall.
     bool make(std::vector<SoupFace>& out) {
         const auto edges = facesOfEdges(welded_);
         DisjointSets sets(welded_.faces.size());
@@ -69,6 +71,7 @@ private:
             const dvec3 d = glm::inverse(sums.first) * sums.second;
             offset_[v] = d * std::min(1.0, kMostOffset / glm::length(d));
         }
+        if (endsAlmostOnWalls(members, edges)) return false;
         const auto [ahead, behind] = depths(members);
         for (const uint32_t f : members) addSides(f, ahead, behind, edges, out);
         return true;
@@ -94,6 +97,22 @@ private:
                 }
         }
         return true;
+    }
+
+    bool endsAlmostOnWalls(const std::vector<uint32_t>& members,
+                           const std::map<Edge, std::vector<uint32_t>>& edges) const {
+        for (const uint32_t f : members)
+            for (const auto& loop : welded_.faces[f].loops)
+                for (size_t k = 0; k < loop.size(); ++k) {
+                    const uint32_t a = loop[k], b = loop[(k + 1) % loop.size()];
+                    if (edges.at(std::minmax(a, b)).size() != 1) continue;
+                    const dvec3 from = welded_.vertices[a], to = welded_.vertices[b],
+                                n = areaVector(welded_.vertices, welded_.faces[f].loops[0]),
+                                outwards = glm::normalize(glm::cross(to - from, n));
+                    const double gap = walls_.nearest(0.5 * (from + to), outwards, kAlmost * near_);
+                    if (gap > tolerance_ && gap <= kAlmost * near_) return true;
+                }
+        return false;
     }
 
     bool runs(uint32_t f, uint32_t from, uint32_t to) const {
@@ -204,9 +223,25 @@ std::vector<SoupFace> drawnOnce(const std::vector<SoupFace>& faces) {
     return out;
 }
 
+// A wall's body that lacks a face has others that hang by their edges.
+bool isOfBody(const std::vector<SoupFace>& drawn, const std::set<uint32_t>& sheets, double tolerance) {
+    const Building welded = weldedByNumber(drawn, tolerance);
+    std::map<uint32_t, size_t> shared;
+    for (const auto& [edge, around] : facesOfEdges(welded)) {
+        const auto isSheet = [&](uint32_t f) {
+            return sheets.contains(drawn[welded.faces[f].surface].surface);
+        };
+        if (std::ranges::all_of(around, isSheet)) continue;
+        for (const uint32_t f : around)
+            if (isSheet(f) && ++shared[f] > kMostShared) return true;
+    }
+    return false;
+}
+
 } // namespace
 
 std::optional<SheetBoards> sheetsAsBoards(const std::vector<SoupFace>& faces,
+                                          const std::vector<SoupFace>& drawn,
                                           const std::function<bool(uint32_t)>& isGlass, double thickness,
                                           double near, double tolerance) {
     std::set<uint32_t> inRooms;
@@ -225,7 +260,9 @@ std::optional<SheetBoards> sheetsAsBoards(const std::vector<SoupFace>& faces,
         }
         std::erase_if(left, [&](const SoupFace& face) { return inRooms.contains(face.surface); });
     }
-    if (inRooms.empty()) return std::nullopt;
+    std::set<uint32_t> surfaces;
+    for (const uint32_t k : inRooms) surfaces.insert(faces[k].surface);
+    if (inRooms.empty() || isOfBody(drawn, surfaces, tolerance)) return std::nullopt;
     SheetBoards out{.faces = {}, .sheets = inRooms.size(), .surface = faces[*inRooms.begin()].surface};
     std::vector<SoupFace> sheets, walls;
     for (uint32_t k = 0; k < faces.size(); ++k) {

@@ -20,8 +20,11 @@ struct SheetBoards {
 // those that it shares an edge with, a closed board whose faces look out of it, each side with its material:
 // `thickness` (metres), half on either side, but back to a wall that is parallel and `near` at most. Glass
 // (`isGlass` of a material) is none. None where there is no such face, or one has one side alone, like a
-// Moebius strip. Corners are one within `tolerance` (metres). Cost: that of openSheets().
+// Moebius strip, ends before a wall by less than a quarter of `near` (it was to reach it), or has two edges
+// or more with other faces as they were `drawn` (what is left of a body that lacks one). Corners are one
+// within `tolerance` (metres). Cost: that of openSheets().
 std::optional<SheetBoards> sheetsAsBoards(const std::vector<SoupFace>& faces,
+                                          const std::vector<SoupFace>& drawn,
                                           const std::function<bool(uint32_t)>& isGlass, double thickness,
                                           double near, double tolerance);
 

@@ -52,8 +52,10 @@ private:
 } // namespace
 
 TEST(LastDecimal, is_that_of_all_coordinates) {
-    const std::vector<dvec3> points{{1.25, -3, 0}, {0.5, 0.001, 2}};
+    const std::vector<dvec3> points{{1.253, -3.141, 0}, {0.5, 0.001, 2}},
+        typed{{1.25, -3, 0}, {0.5, 0.001, 2}};
     EXPECT_NEAR(lastDecimal(points, 1e-6), 0.001, 1e-12);
+    EXPECT_EQ(lastDecimal(typed, 1e-6), 0);
     EXPECT_EQ(lastDecimal(points, 0.002), 0);
     EXPECT_EQ(lastDecimal(std::vector{dvec3(2, 3, 4)}, 1e-6), 1);
     EXPECT_EQ(lastDecimal(std::vector{dvec3(1.0 / 3, 3, 4)}, 1e-6), 0);

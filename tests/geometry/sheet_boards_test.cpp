@@ -35,6 +35,26 @@ Read read(Drawing& drawing) {
 
 } // namespace
 
+// What is left of them would be boards, and the room would reach into the wall.
+TEST(SheetBoards, walls_that_lack_a_face_and_sheets_a_hair_short_of_a_wall_are_none) {
+    const auto withPartition = [](size_t lacking, double height) {
+        Drawing drawing(false);
+        drawing.room(0, -1, true);
+        if (lacking == 6)
+            drawing.sheet({0, 0, 2.5}, {4, 0, 0}, {0, height, 0});
+        else
+            for (size_t k = 0; k < 6; ++k) {
+                const auto [at, u, v] = Drawing::sidesOf({0, 0, 2.5}, {4, height, 0.2})[k];
+                if (k != lacking) drawing.sheet(at, v, u);
+            }
+        return drawing.read().roomCount;
+    };
+    EXPECT_EQ(withPartition(6, 2.2), 1u); // clear of the ceiling
+    EXPECT_THROW(withPartition(6, 2.498), InputError);
+    for (const size_t lacking : {1u, 4u, 5u})
+        EXPECT_THROW(withPartition(lacking, 2.2), InputError) << lacking;
+}
+
 TEST(SheetBoards, sheets_in_a_room_are_seen_from_both_sides) {
     const dvec3 x(1, 0, 0), y(0, 1, 0), z(0, 0, 1);
     const double fold = std::hypot(0.2, 0.04);
