@@ -17,6 +17,7 @@
 #include "geometry/drawn_rooms.h"
 #include "geometry/face_soup.h"
 #include "geometry/glass_panes.h"
+#include "geometry/glass_use.h"
 #include "geometry/ground_in_rooms.h"
 #include "geometry/input_error.h"
 #include "geometry/last_decimal.h"
@@ -32,6 +33,7 @@
 #include "geometry/sheet_surroundings.h"
 #include "geometry/shell_faces.h"
 #include "geometry/shell_nesting.h"
+#include "geometry/small_rooms.h"
 
 namespace heliodon::geometry {
 
@@ -52,6 +54,8 @@ constexpr double kMostRounding = 2e-4; // of the extent: 1 mm in a room of 5 m
 // Metres of building: sheets in rooms are boards of that thickness, or lie on walls no farther behind.
 constexpr double kBoard = 1e-3, kNearWall = 0.02;
 constexpr double kBoardOfTolerance = 8; // at least
+
+constexpr double kLeastRoom = 0.1; // cubic metres of building
 
 class ModelImporter {
 public:
@@ -176,33 +180,53 @@ private:
         if (!made && !insideOut_) {
             try {
                 ModelRooms drawn = rooms({}, beforePart);
-                blocks = touchingBlocks(drawn);
-                if (!blocks) {
-                    warnOfGlassBodies(drawn);
+                if (const auto touching = touchingRoomsOfGlass(drawn, isGlass_))
+                    blocks.emplace(model_.file, model_.place(*touching),
+                                   "bodies of glass that touch, mitred or too many, fill no hole together: "
+                                   "expected slabs that end on one another's sides, or flat panes");
+                else {
+                    if (const auto body = roomOfGlass(drawn, isGlass_))
+                        drawn.building.warnings.push_back(fmt::format(
+                            "a body of glass ({} and others) fills no hole as a pane does and was taken as a "
+                            "space of its own: what passes it is dimmed by glass on either side",
+                            model_.place(*body)));
                     made = withGlass(std::move(drawn));
                 }
             } catch (const InputError& error) {
                 asDrawn = error;
             }
         }
-        if (made && !made->without) return std::move(made->building);
+        if (made && made->use.without.empty()) return std::move(made->building);
         auto fitted = importPanes(Drawn::slabsAndFlat, beforePart);
-        if (fitted && (!made || fitted->panes > made->panes)) return std::move(fitted->building);
-        if (made && made->panes > 0) return std::move(made->building);
+        if (fitted && (!made || fitted->use.panes > made->use.panes)) return saidOfGlass(std::move(*fitted));
+        if (made && made->use.panes > 0) return saidOfGlass(std::move(*made));
         if (blocks) throw *blocks;
         if (whyNoPane_) throw *whyNoPane_;
         if (asDrawn) throw *asDrawn;
         throw InputError(
-            model_.file, model_.place(*made->without),
+            model_.file, model_.place(made->use.without[0]),
             "the glass bounds no room, nor does any other: something crosses it, or the model is "
             "open elsewhere, as where a door in a thick wall is not drawn");
     }
 
     struct WithGlass {
         Building building;
-        size_t panes = 0;                // faces of glass that bound rooms
-        std::optional<uint32_t> without; // the first that bounds none
+        GlassUse use;
     };
+
+    Building saidOfGlass(WithGlass made) {
+        if (made.use.without.empty()) return std::move(made.building);
+        const double scale = worldPerBuilding(model_.vertices);
+        if (areAllSmall(made.building, kLeastRoom * scale * scale * scale))
+            throw InputError(
+                model_.file, model_.place(made.use.without[0]),
+                fmt::format("the glass bounds no room, and all that is closed holds less than {} "
+                            "m3: the model is open elsewhere, as by a hole without a pane or a "
+                            "gap round a frame",
+                            kLeastRoom));
+        made.building.warnings.push_back(warningOf(made.use, [&](uint32_t f) { return model_.place(f); }));
+        return std::move(made.building);
+    }
 
     double worldPerBuilding(std::span<const glm::dvec3> corners) const {
         return givenScale_.value_or(assumedWorldPerBuilding(corners));
@@ -254,7 +278,18 @@ private:
         for (const uint32_t f : out->source)
             if (const auto folded = faces.folded.find(f); folded != faces.folded.end())
                 throw foldError(*folded);
+        leaveOutSmallRooms(*out);
         return std::move(*out);
+    }
+
+    void leaveOutSmallRooms(ModelRooms& rooms) const {
+        const double scale = worldPerBuilding(model_.vertices);
+        const SmallRooms small = leaveOutSmall(rooms, kLeastRoom * scale * scale * scale);
+        if (small.left > 0)
+            rooms.building.warnings.push_back(fmt::format(
+                "{} less than {} m3 (the first has the face at {}): left out, as no rooms",
+                small.left == 1 ? "1 closed space holds" : fmt::format("{} closed spaces hold", small.left),
+                kLeastRoom, model_.place(small.surface)));
     }
 
     InputError foldError(const std::pair<const uint32_t, double>& folded) const {
@@ -333,56 +368,9 @@ private:
         std::ranges::move(warningsOf(verdict, place, rooms.source), std::back_inserter(warnings));
     }
 
-    // Per room, whether all its faces are glass.
-    std::vector<bool> areGlass(const Building& building) const {
-        std::vector<bool> are(building.roomCount, true);
-        for (const Face& face : building.faces)
-            if (!isGlass_(face.material)) are[face.room] = false;
-        return are;
-    }
-
-    void warnOfGlassBodies(ModelRooms& rooms) const {
-        const std::vector<bool> isBody = areGlass(rooms.building);
-        for (size_t f = 0; f < rooms.source.size(); ++f)
-            if (isBody[rooms.building.faces[f].room]) {
-                rooms.building.warnings.push_back(
-                    fmt::format("a body of glass ({} and others) fills no hole as a pane does and was taken "
-                                "as a space of its "
-                                "own: what passes it is dimmed by glass on either side",
-                                model_.place(rooms.source[f])));
-                return;
-            }
-    }
-
-    // Bodies of glass side by side that are no panes: light would pass each twice, and from one to the next.
-    std::optional<InputError> touchingBlocks(const ModelRooms& rooms) const {
-        const Building& building = rooms.building;
-        const std::vector<bool> isBlock = areGlass(building);
-        for (size_t f = 0; f < building.faces.size(); ++f) {
-            const Face& face = building.faces[f];
-            if (face.twin != kNoTwin && isBlock[face.room] &&
-                isBlock[building.faces[static_cast<size_t>(face.twin)].room])
-                return InputError(model_.file, model_.place(rooms.source[f]),
-                                  "bodies of glass that touch, mitred or too many, fill no hole together: "
-                                  "expected slabs that end on one another's sides, or flat panes");
-        }
-        return std::nullopt;
-    }
-
     WithGlass withGlass(ModelRooms rooms) const {
-        WithGlass out{std::move(rooms.building), 0, {}};
-        std::set<uint32_t> panes;
-        for (const SoupFace& face : faces_.soup)
-            if (isGlass_(face.material)) panes.insert(face.surface);
-        if (panes.empty()) return out;
-        const std::set<uint32_t> used(rooms.source.begin(), rooms.source.end());
-        for (const uint32_t f : panes) {
-            if (used.contains(f))
-                ++out.panes;
-            else if (!out.without)
-                out.without = f;
-        }
-        return out;
+        GlassUse use = useOfGlass(faces_.soup, isGlass_, rooms);
+        return {std::move(rooms.building), std::move(use)};
     }
 
     // With other panes than are drawn; none where there are none, or not even these make rooms.
