@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 #include <glm/geometric.hpp>
 
+#include "geometry/air_pocket.h"
 #include "geometry/bounds.h"
 #include "geometry/counted.h"
 #include "geometry/crossing_solids.h"
@@ -95,6 +96,19 @@ public:
             }
             throw;
         }
+    }
+
+    void refuseInsideOfWalls(const Building& made) const {
+        const auto pocket = airPocket(made, kWeldOfExtent * extent_);
+        if (!pocket) return;
+        const double scale = worldPerBuilding(model_.vertices);
+        const glm::dvec3 at = pocket->hole / scale;
+        throw InputError(
+            model_.file, "",
+            fmt::format("the only closed space is the inside of the walls: the room needs glass "
+                        "in its hole, about {:.2g} m wide and {:.2g} m high, near x {:.2f}, y {:.2f}, "
+                        "z {:.2f} m (y up)",
+                        pocket->width / scale, pocket->height / scale, at.x, at.y, at.z));
     }
 
 private:
@@ -479,7 +493,9 @@ Building importModel(const std::filesystem::path& file, UpAxis up, const ImportO
     ModelImporter importer(file, up, options);
     const double step = importer.rounding();
     try {
-        return importer.import(options.beforePart);
+        Building made = importer.import(options.beforePart);
+        importer.refuseInsideOfWalls(made);
+        return made;
     } catch (const InputError&) {
         for (const double apart : kRoundingApart) {
             const double coarser = apart * step / (kWeldOfExtent * importer.extent());

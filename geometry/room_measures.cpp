@@ -146,6 +146,11 @@ bool isLikeInsideOfWalls(const RoomMeasures& room, double worldPerBuilding) {
     return meanDepth(room) < kThin * worldPerBuilding && room.openings < 0.5 * room.surface;
 }
 
+bool isLikeFloorAndWalls(const RoomMeasures& room) {
+    constexpr double kFilled = 0.45;
+    return room.openings == 0 && room.volume < kFilled * room.floorArea * room.height;
+}
+
 std::vector<RoomMeasures> measureRooms(const PatchMesh& own, double step) {
     return RoomMeasurer(own, step).measure();
 }

@@ -36,6 +36,9 @@ std::vector<RoomMeasures> measureRooms(const PatchMesh& own, double step = 0.25)
 double meanDepth(const RoomMeasures& room);
 // As thin as walls are (`worldPerBuilding` world metres a metre of building), and not between two panes.
 bool isLikeInsideOfWalls(const RoomMeasures& room, double worldPerBuilding);
+// Much less than what is over its floor up to its highest point, as of a floor and walls with a thickness
+// drawn as one body; more than under a roof that comes down to the floor.
+bool isLikeFloorAndWalls(const RoomMeasures& room);
 
 // By how much the volume of a room may differ from that in ownTriangles() in its mesh, whose triangles are
 // chords of curved walls: of the room's volume, for the room where it is most. Negative where the mesh

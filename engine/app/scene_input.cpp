@@ -106,6 +106,16 @@ void reportImport(Run& run, const geometry::PatchMesh& mesh, const geometry::Bui
                 fmt::format("room {} is {:.2f} m deep on average, as the inside of walls is: the faces of a "
                             "model must bound the air of its rooms, not their walls",
                             r, geometry::meanDepth(rooms[r]) / worldPerBuilding));
+    const bool dark = std::ranges::all_of(rooms, [](const auto& room) { return room.openings == 0; });
+    for (size_t r = 0; r < rooms.size() && dark; ++r)
+        if (geometry::isLikeFloorAndWalls(rooms[r]))
+            run.warn(fmt::format(
+                "no room has glass, and room {} is {:.2g} m high on average under its highest point at "
+                "{:.2g} m, "
+                "as the inside of a floor and walls drawn with their thickness is: the faces of a model must "
+                "bound the air of its rooms",
+                r, rooms[r].volume / rooms[r].floorArea / worldPerBuilding,
+                rooms[r].height / worldPerBuilding));
     for (const geometry::RoomMeasures& room : rooms)
         report["rooms"].push_back({{"floor_area", room.floorArea / (foot * foot)},
                                    {"volume", room.volume / (foot * foot * foot)},

@@ -125,6 +125,33 @@ TEST(RoomMeasures, glass_is_one_pane_up_to_where_it_turns_changes_or_touches_in_
     EXPECT_EQ(count(wall, {{0, square(0, 0)}, {0, square(1, 0)}}), Counts(1, 0));
 }
 
+// Profiles, along z by 5 m.
+TEST(RoomMeasures, a_floor_and_walls_drawn_as_one_body_are_told_from_rooms) {
+    const auto likeWalls = [](const std::vector<glm::dvec2>& profile) {
+        const std::string file = testing::TempDir() + "room_measures_profile.obj";
+        {
+            std::ofstream out(file);
+            const size_t n = profile.size();
+            for (const double z : {0.0, 5.0})
+                for (const glm::dvec2 p : profile) out << fmt::format("v {} {} {}\n", p.x, p.y, z);
+            std::string front = "f", back = "f";
+            for (size_t k = 0; k < n; ++k) {
+                out << fmt::format("f {} {} {} {}\n", k + 1, (k + 1) % n + 1, (k + 1) % n + 1 + n, k + 1 + n);
+                front += fmt::format(" {}", n - k), back += fmt::format(" {}", n + k + 1);
+            }
+            out << front << '\n' << back << '\n';
+        }
+        const std::vector<RoomMeasures> rooms = measureRooms(ownTriangles(importModel(file)));
+        EXPECT_EQ(rooms.size(), 1u);
+        return isLikeFloorAndWalls(rooms[0]);
+    };
+    EXPECT_TRUE(likeWalls({{0, 0}, {6, 0}, {6, 0.3}, {0.3, 0.3}, {0.3, 3}, {0, 3}}));
+    EXPECT_TRUE(likeWalls({{0, 0}, {6, 0}, {6, 3}, {5.5, 3}, {5.5, 0.3}, {0.5, 0.3}, {0.5, 3}, {0, 3}}));
+    EXPECT_FALSE(likeWalls({{0, 0}, {6, 0}, {6, 3}, {0, 3}}));
+    EXPECT_FALSE(likeWalls({{0, 0}, {6, 0}, {3, 4}}));
+    EXPECT_FALSE(likeWalls({{0, 0}, {6, 0}, {6, 3}, {3, 3}, {3, 5}, {0, 5}})); // half of it higher
+}
+
 TEST(RoomMeasures, panes_are_counted_by_pieces_of_glass) {
     const PatchMesh mesh = meshBuilding(importModel(
         HELIODON_TEST_DATA "/compute/daylight/d_skylight_partition_overcast_mar21_13_g0.2/model.obj",
