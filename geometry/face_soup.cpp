@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <map>
 #include <unordered_map>
@@ -91,6 +92,36 @@ public:
 
 private:
     void findLoose() {
+        all_ ? findUnknown() : findWithoutOpposite();
+        std::ranges::sort(corners_);
+        corners_.erase(std::unique(corners_.begin(), corners_.end()), corners_.end());
+    }
+
+    // All edges but those that are known to have no corner on them: no corner is added to the others.
+    void findUnknown() {
+        std::vector<Edge> edges;
+        corners_.clear();
+        for (const Face& face : building_.faces)
+            for (const auto& loop : face.loops)
+                for (size_t i = 0; i < loop.size(); ++i) {
+                    edges.emplace_back(loop[i], loop[(i + 1) % loop.size()]);
+                    corners_.push_back(loop[i]);
+                }
+        std::ranges::sort(edges);
+        edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+        std::vector<Edge> known;
+        for (const auto& [edge, inner] : loose_)
+            if (inner.empty()) known.push_back(edge);
+        std::vector<Edge> whole;
+        std::ranges::set_union(whole_, known, std::back_inserter(whole));
+        whole_ = std::move(whole);
+        loose_.clear();
+        for (const Edge& edge : edges)
+            if (!std::ranges::binary_search(whole_, edge))
+                loose_.emplace_hint(loose_.end(), edge, std::vector<uint32_t>());
+    }
+
+    void findWithoutOpposite() {
         std::map<Edge, int> count;
         for (const Face& face : building_.faces)
             for (const auto& loop : face.loops)
@@ -99,13 +130,11 @@ private:
         corners_.clear();
         for (const auto& [edge, n] : count) {
             const auto opposite = count.find({edge.second, edge.first});
-            if (!all_ && opposite != count.end() && opposite->second == n) continue;
+            if (opposite != count.end() && opposite->second == n) continue;
             loose_.emplace(edge, std::vector<uint32_t>());
             corners_.push_back(edge.first);
             corners_.push_back(edge.second);
         }
-        std::ranges::sort(corners_);
-        corners_.erase(std::unique(corners_.begin(), corners_.end()), corners_.end());
     }
 
     bool splitOnce() {
@@ -168,6 +197,7 @@ private:
     bool all_; // not only edges that lack an opposite
     std::map<Edge, std::vector<uint32_t>> loose_;
     std::vector<uint32_t> corners_, rooms_;
+    std::vector<Edge> whole_; // of `all_`, no corner is on them; sorted
 };
 
 // An opening may show as several pieces, where others overlap it: those opposite one another are twins.
