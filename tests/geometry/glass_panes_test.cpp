@@ -39,6 +39,7 @@ public:
         for (size_t k = 0; k < corners.size(); ++k) out_ << ' ' << next_++;
         out_ << '\n';
     }
+    void object(const char* name) { out_ << "o " << name << '\n'; }
     void ring(const Corners& outside, const Corners& hole) {
         for (size_t k = 0; k < 4; ++k)
             face("wall", {outside[k], outside[(k + 1) % 4], hole[(k + 1) % 4], hole[k]});
@@ -520,6 +521,12 @@ TEST(GlassPanes, that_fill_no_hole_are_refused_with_the_gap) {
     };
     refuse([](Drawing& d) { d.slab(hole(-0.12, -0.03), hole(-0.1, -0.03)); },
            ":139: a gap of 0.03 is left between the glass and the hole");
+    refuse(
+        [](Drawing& d) {
+            d.object("sash 3");
+            d.slab(hole(-0.12, -0.03), hole(-0.1, -0.03));
+        },
+        "of its diagonal (of \"sash 3\")");
     refuse([](Drawing& d) { d.slab(rectangle(1, 2.2, 0.8, 2, -0.12), rectangle(1, 2.2, 0.8, 2, -0.1)); },
            "the glass fills no hole, as a leaf that stands open");
     refuse([](Drawing& d) { d.face("glass", hole(-0.1, -0.03)); },
