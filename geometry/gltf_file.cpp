@@ -318,7 +318,7 @@ private:
             checkRigid(node, mesh, place);
             for (size_t p = 0; p < mesh.primitives.size(); ++p)
                 addPrimitive(mesh.primitives[p], fmt::format("meshes[{}].primitives[{}]", node.mesh, p),
-                             mesh.name.empty() ? node.name : mesh.name, worldFromNode);
+                             node.name, mesh.name, worldFromNode);
         }
         for (const int child : node.children) visit(child, worldFromNode, depth + 1);
         seen = Seen::before;
@@ -466,8 +466,8 @@ private:
         return *greyMaterial_;
     }
 
-    void addPrimitive(const tinygltf::Primitive& primitive, const std::string& place, const std::string& name,
-                      const glm::dmat4& worldFromNode) {
+    void addPrimitive(const tinygltf::Primitive& primitive, const std::string& place, const std::string& node,
+                      const std::string& mesh, const glm::dmat4& worldFromNode) {
         if (primitive.mode > TINYGLTF_MODE_TRIANGLE_FAN) fail(place + ".mode", "expected 0 to 6");
         if (primitive.mode >= 0 && primitive.mode < TINYGLTF_MODE_TRIANGLES) { // loose points and edges
             withoutFaces_ = place + ".mode";
@@ -485,7 +485,8 @@ private:
         const uint32_t material = materialIndex(primitive.material, place);
         // A mirrored node turns its triangles over.
         const bool mirrored = glm::determinant(glm::dmat3(worldFromNode)) < 0;
-        out_.groups.push_back(name);
+        out_.groups.push_back(mesh.empty() ? node : mesh);
+        out_.object.push_back(node.empty() ? objectNamed("mesh", mesh) : objectNamed("node", node));
         out_.source.push_back(place);
         for (size_t t = 0; t < corner.size(); t += 3) {
             for (size_t k = 0; k < 3; ++k) {

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <map>
 #include <optional>
+#include <span>
 #include <tuple>
 #include <utility>
 
@@ -350,9 +351,9 @@ private:
         for (const uint32_t f : faces) drawn.push_back(source_[f]);
         std::ranges::sort(drawn);
         drawn.erase(std::unique(drawn.begin(), drawn.end()), drawn.end());
-        std::string more;
-        for (size_t i = 1; i < drawn.size() && i < 5; ++i)
-            more += (i == 1 ? "" : ", ") + model_.place(drawn[i]);
+        const std::span<const uint32_t> all(drawn);
+        std::string more =
+            all.size() < 2 ? "" : model_.places(all.subspan(1, std::min<size_t>(4, all.size() - 1)));
         if (drawn.size() > 5) more += fmt::format(" and {} more", drawn.size() - 5);
         throw InputError(model_.file, drawn.empty() ? "" : model_.place(drawn[0]),
                          what + (more.empty() ? "" : " (also " + more + ")"));

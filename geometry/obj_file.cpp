@@ -295,7 +295,7 @@ public:
             else if (key == "usemtl")
                 useMaterial(lines_.remainder());
             else if (key == "g" || key == "o")
-                useGroup(lines_.remainder());
+                useGroup(lines_.remainder(), key == "o");
             else if (key == "s")
                 readSmoothing();
             else if (key == "north")
@@ -359,7 +359,7 @@ private:
             model_.addCorner(readIndex(word, model_.vertices.size(), lines_), normalOf(word));
         if (count < 3) lines_.fail(fmt::format("a face of {} corners, expected at least 3", count));
         if (!currentMaterial_) useMaterial("default");
-        if (model_.groups.empty()) useGroup("default");
+        if (model_.groups.empty()) useGroup(kNoGroup, false);
         model_.endFace(*currentMaterial_, lines_.lineNumber(), smoothing_);
     }
 
@@ -428,15 +428,22 @@ private:
         currentMaterial_ = found->second;
     }
 
-    void useGroup(std::string name) {
+    // Programs that know objects name them, and may write groups within; 3ds Max writes groups alone.
+    void useGroup(std::string name, bool isObject) {
+        if (isObject) object_ = name;
+        const std::string& shown = object_.empty() ? name : object_;
+        model_.object.push_back(objectNamed("object", shown == kNoGroup ? "" : shown));
         model_.groups.push_back(std::move(name));
         model_.source.emplace_back();
     }
+
+    static constexpr const char* kNoGroup = "default";
 
     std::filesystem::path path_;
     Lines lines_;
     RawModel model_;
     std::vector<glm::vec3> normals_; // in the file's own axes
+    std::string object_;             // of the last "o"
     MaterialIndex materials_;
     std::optional<uint32_t> currentMaterial_;
     uint32_t smoothing_ = 0;

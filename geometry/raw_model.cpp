@@ -42,8 +42,32 @@ void RawModel::endFace(uint32_t itsMaterial, size_t itsNumber, uint32_t itsSmoot
 }
 
 std::string RawModel::place(size_t i) const {
-    const std::string& name = source[group[i]];
-    return name.empty() ? std::to_string(number[i]) : fmt::format("{} triangle {}", name, number[i]);
+    const auto alone = static_cast<uint32_t>(i);
+    return places({&alone, 1});
+}
+
+std::string RawModel::places(std::span<const uint32_t> faces) const {
+    std::string out;
+    for (size_t k = 0; k < faces.size(); ++k) {
+        const uint32_t f = faces[k], g = group[f];
+        if (k > 0) out += ", ";
+        out += source[g].empty() ? std::to_string(number[f])
+                                 : fmt::format("{} triangle {}", source[g], number[f]);
+        const bool last = k + 1 == faces.size() || object[group[faces[k + 1]]] != object[g];
+        if (last && !object[g].empty()) out += " (" + object[g] + ")";
+    }
+    return out;
+}
+
+std::string objectNamed(const char* kind, const std::string& name) {
+    if (name.empty()) return "";
+    constexpr size_t kMost = 40;
+    size_t end = 0;
+    for (size_t characters = 0; end < name.size(); ++end) {
+        const bool begins = (static_cast<unsigned char>(name[end]) & 0xC0) != 0x80; // a character of UTF-8
+        if (begins && characters++ == kMost) break;
+    }
+    return fmt::format("{} \"{}{}\"", kind, name.substr(0, end), end < name.size() ? "..." : "");
 }
 
 std::vector<std::vector<uint32_t>> RawModel::loops(size_t i) const {

@@ -43,6 +43,7 @@ struct RawModel {
     std::vector<size_t> number; // per face: its line in an .obj, its triangle within the primitive in a glTF
     std::vector<std::string> groups;
     std::vector<std::string> source; // per group: "" in an .obj, "meshes[0].primitives[1]" in a glTF
+    std::vector<std::string> object; // per group: R"(object "Wall.003")", as programs show it; "" without
     std::vector<Material>
         materials;                  // finite, reflectance in [0, 1), with transmittance at most 1 (but flaws)
     std::optional<double> northDeg; // direction of north, as Building has it, where the file says it
@@ -82,9 +83,15 @@ struct RawModel {
     // Its outline, and holes after it: a polygon that runs to a hole and back along the same edge, as
     // programs write what has no other way to say hole, is taken apart there. Else the face itself.
     std::vector<std::vector<uint32_t>> loops(size_t i) const;
-    // How a message names the face: "12" (a line) or "meshes[0].primitives[1] triangle 5".
+    // How a message names the face: "12" (a line) or "meshes[0].primitives[1] triangle 5", and then the
+    // object, as in R"(12 (object "Wall.003"))".
     std::string place(size_t i) const;
+    // Of a list of faces; an object that several have in turn stands behind the last of them.
+    std::string places(std::span<const uint32_t> faces) const;
 };
+
+// R"(node "Window 2")"; "" without a name. What is longer than 40 characters is cut off.
+std::string objectNamed(const char* kind, const std::string& name);
 
 // Both throw InputError naming the line or the field. Unknown keys are ignored.
 RawModel readObj(const std::filesystem::path& file);

@@ -15,6 +15,7 @@
 #include "geometry/input_error.h"
 #include "geometry/mesher.h"
 #include "geometry/model_file.h"
+#include "geometry/raw_model.h"
 #include "tests/geometry/mesh_volume.h"
 
 using namespace heliodon::geometry;
@@ -132,6 +133,19 @@ TEST(GltfScene, what_cannot_be_read_is_refused_by_place) {
 }
 
 // Modellers write loose edges and points beside the faces; they bound nothing.
+// As programs show them; a mesh of a node without a name by its own.
+TEST(GltfScene, a_face_is_named_by_its_node_too) {
+    json scene = roomScene(json::parse(R"([{"mesh":0,"name":"Window 2"}])"));
+    scene["meshes"][0]["name"] = "Plane.001";
+    EXPECT_EQ(readRawModel(written(scene)).place(1),
+              "meshes[0].primitives[0] triangle 1 (node \"Window 2\")");
+    scene["nodes"][0].erase("name");
+    EXPECT_EQ(readRawModel(written(scene)).place(1),
+              "meshes[0].primitives[0] triangle 1 (mesh \"Plane.001\")");
+    scene["meshes"][0].erase("name");
+    EXPECT_EQ(readRawModel(written(scene)).place(1), "meshes[0].primitives[0] triangle 1");
+}
+
 TEST(GltfScene, edges_and_points_beside_faces_are_passed_over) {
     json scene = roomScene(kOneNode);
     json& primitives = scene["meshes"][0]["primitives"];

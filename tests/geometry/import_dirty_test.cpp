@@ -13,6 +13,7 @@
 #include "geometry/input_error.h"
 #include "geometry/mesher.h"
 #include "geometry/model_file.h"
+#include "geometry/raw_model.h"
 #include "tests/geometry/mesh_volume.h"
 
 using namespace heliodon::geometry;
@@ -206,6 +207,22 @@ TEST(DirtyModel, faces_bent_by_centimetres_are_divided_with_a_warning) {
         std::ranges::rotate(two.faces[6], two.faces[6].begin() + static_cast<std::ptrdiff_t>(first));
         expectRooms(two, 2, 216, "", "2 faces bent by up to 0.011 m (the first at 14)");
     }
+}
+
+// A message reads "file:line (object): what", so that the line is found by programs, too.
+TEST(DirtyModel, a_face_is_named_by_its_object_too) {
+    const auto placeIn = [](const std::string& before) {
+        const std::string file = testing::TempDir() + "dirty.obj";
+        std::ofstream(file) << "v 0 0 0\nv 1 0 0\nv 0 1 0\n" << before << "f 1 2 3\nf 2 1 3\n";
+        return readRawModel(file).places(std::vector<uint32_t>{0, 1});
+    };
+    EXPECT_EQ(placeIn(""), "4, 5");
+    EXPECT_EQ(placeIn("g default\n"), "5, 6");
+    EXPECT_EQ(placeIn("g Box003\n"), "5, 6 (object \"Box003\")");
+    EXPECT_EQ(placeIn("o Wall.003\ng inner\n"), "6, 7 (object \"Wall.003\")");
+    std::string longName;
+    for (int i = 0; i < 41; ++i) longName += "\xC3\xA4";
+    EXPECT_EQ(placeIn("o " + longName + "\n"), "5, 6 (object \"" + longName.substr(2) + "...\")");
 }
 
 TEST(DirtyModel, a_copy_of_another_material_is_named) {
