@@ -347,6 +347,11 @@ private:
                     if (building_.faces[domain.faces[0]].twin >= 0 || n <= 3 ||
                         !straight(loop[(k + n - 1) % n], loop[k], loop[(k + 1) % n]))
                         needed[loop[k]] = true;
+        // A slit, where a body touches a wall in an edge, is straight but for less than is seen.
+        for (const MeshDomain& domain : domains_)
+            for (const auto& loop : domain.loops)
+                if (std::ranges::count_if(loop, [&](uint32_t v) { return bool{needed[v]}; }) < 3)
+                    for (const uint32_t v : loop) needed[v] = true;
         for (MeshDomain& domain : domains_) domain.keepCorners(needed);
     }
 
