@@ -35,6 +35,7 @@
 #include "geometry/shell_faces.h"
 #include "geometry/shell_nesting.h"
 #include "geometry/small_rooms.h"
+#include "geometry/space_parts.h"
 
 namespace heliodon::geometry {
 
@@ -143,7 +144,25 @@ private:
             if (auto made = attempt()) return std::move(*made);
             if (doubtful) return std::move(*doubtful);
         }
-        throw InputError(faces_.folded.empty() ? *wrong : foldError(*faces_.folded.begin()), doubtsOfGlass());
+        if (!faces_.folded.empty()) throw InputError(foldError(*faces_.folded.begin()), doubtsOfGlass());
+        unite(Solids::thatMeet);
+        if (!whyNoPane_ && isOfWallsAlone()) // what is wrong with glass says more
+            throw InputError(model_.file, "",
+                             "encloses no room: all that is closed is as thin as walls and slabs, and they "
+                             "close nothing in between (a ceiling or a wall is missing, or there are gaps)");
+        throw InputError(*wrong, doubtsOfGlass());
+    }
+
+    // Solids without a room between them: what is wrong with these as rooms says nothing.
+    bool isOfWallsAlone() const {
+        const auto space = partsOfSpace(faces_.soup, isGlass_, kWeldOfExtent * extent_);
+        return space && std::ranges::all_of(space->parts, [&](const auto& entry) {
+                   const SpacePart& part = entry.second;
+                   RoomMeasures measures;
+                   measures.volume = part.volume, measures.surface = part.area;
+                   return part.volume <= 0 ||
+                          isLikeInsideOfWalls(measures, worldPerBuilding(model_.vertices));
+               });
     }
 
     // Glass that was read as a wall is what keeps many a model from closing.
@@ -445,9 +464,9 @@ private:
             return {model_.file, place,
                     "the glass fills no hole, as a leaf that stands open or a flat pane that stands free"};
         return {model_.file, place,
-                fmt::format("a gap of {:.2g} is left between the glass and the hole in which it stands, "
+                fmt::format("a gap of {:.2g} m is left between the glass and the hole in which it stands, "
                             "expected at most 0.5 % of its diagonal{}",
-                            *glass.joint, objectOf(glass.faces[0]))};
+                            inBuilding(*glass.joint), objectOf(glass.faces[0]))};
     }
 
     // Panes that no room has, or glass in a hole and not in a room: air and walls are taken for one another.

@@ -49,7 +49,7 @@ bool mostly(const geometry::PatchMesh& mesh, double least, const Which& which, c
 
 // One room as high as a storey is wide, on its side: as deep as rooms are high, higher than deep, and long.
 bool isStoreyOnItsSide(const geometry::Bounds& box, double worldPerBuilding) {
-    constexpr double kLowest = 2, kHighest = 4.5; // metres, of storeys
+    constexpr double kLowest = 2, kHighest = 4.51; // metres, of storeys
     constexpr double kUpright = 1.4, kLong = 0.75;
     const glm::dvec3 size = (box.high - box.low) / worldPerBuilding;
     const double deep = std::min(size.x, size.z), wide = std::max(size.x, size.z);
@@ -86,18 +86,21 @@ double modelScale(Run& run, const std::optional<double>& given, const geometry::
     if (given) return 1 / *given;
     constexpr double kTallRoom = 6.5; // few work in higher rooms: a file in other units
     const double scale = geometry::assumedWorldPerBuilding(building.vertices), room = lowestRoom(building);
+    constexpr double kFeet = 20, kInches = 150, kCentimetres = 1000; // rooms of 6 m, 4 m and 10 m
+    const auto [unit, metres] = room < kFeet          ? std::pair("feet", 0.3048)
+                                : room < kInches      ? std::pair("inches", 0.0254)
+                                : room < kCentimetres ? std::pair("centimetres", 0.01)
+                                                      : std::pair("millimetres", 0.001);
+    // On its side a storey is as deep as it is high: in such a unit it would be a gap.
+    constexpr double kNarrowest = 1;
+    const geometry::Bounds box = geometry::boundsOf(building.vertices);
+    const double deep = std::min(box.high.x - box.low.x, box.high.z - box.low.z);
     const bool small = scale < 1;
-    const bool large = room > kTallRoom;
+    const bool large = room > kTallRoom && deep * metres > kNarrowest;
     std::string what = small ? "model 12 times smaller than its building" : "model as large as its building";
-    if (large) {
-        constexpr double kFeet = 20, kInches = 150, kCentimetres = 1000; // rooms of 6 m, 4 m and 10 m
-        const auto [unit, metres] = room < kFeet          ? std::pair("feet", "0.3048")
-                                    : room < kInches      ? std::pair("inches", "0.0254")
-                                    : room < kCentimetres ? std::pair("centimetres", "0.01")
-                                                          : std::pair("millimetres", "0.001");
+    if (large)
         what += fmt::format(", whose rooms are {:.4g} m high and more; for one in {} give --model-scale {}",
                             room, unit, metres);
-    }
     run.assume(what, small || large);
     return scale;
 }

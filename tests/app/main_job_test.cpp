@@ -142,6 +142,10 @@ TEST_F(MainJob, a_model_on_its_side_or_in_other_units_is_said_to_seem_so) {
         saidOf("v 0 0 0\nv 16 0 0\nv 16 9 0\nv 0 9 0\nv 0 0 14\nv 16 0 14\nv 16 9 14\nv 0 9 14\n");
     EXPECT_NE(feet.find("in feet give --model-scale 0.3048"), std::string::npos) << feet;
     EXPECT_EQ(feet.find("is it --up"), std::string::npos) << feet;
+    const std::string hall =
+        saidOf("v 0 0 0\nv 20 0 0\nv 20 20 0\nv 0 20 0\nv 0 0 4.5\nv 20 0 4.5\nv 20 20 4.5\nv 0 20 4.5\n");
+    EXPECT_NE(hall.find("is it --up z?"), std::string::npos) << hall;
+    EXPECT_EQ(hall.find("inches"), std::string::npos) << hall;
 }
 
 // And a fifth, black one, which looks away, by its name in a warning.

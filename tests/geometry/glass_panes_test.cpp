@@ -520,7 +520,7 @@ TEST(GlassPanes, that_fill_no_hole_are_refused_with_the_gap) {
         expectRefusal(drawing, why);
     };
     refuse([](Drawing& d) { d.slab(hole(-0.12, -0.03), hole(-0.1, -0.03)); },
-           ":139: a gap of 0.03 is left between the glass and the hole");
+           ":139: a gap of 0.03 m is left between the glass and the hole");
     refuse(
         [](Drawing& d) {
             d.object("sash 3");
@@ -530,7 +530,7 @@ TEST(GlassPanes, that_fill_no_hole_are_refused_with_the_gap) {
     refuse([](Drawing& d) { d.slab(rectangle(1, 2.2, 0.8, 2, -0.12), rectangle(1, 2.2, 0.8, 2, -0.1)); },
            "the glass fills no hole, as a leaf that stands open");
     refuse([](Drawing& d) { d.face("glass", hole(-0.1, -0.03)); },
-           "a gap of 0.03 is left between the glass and the hole");
+           "a gap of 0.03 m is left between the glass and the hole");
     refuse(
         [](Drawing& d) { // what is round it is the room
             d.face("glass", hole(-0.1));

@@ -225,6 +225,16 @@ TEST(DirtyModel, a_face_is_named_by_its_object_too) {
     EXPECT_EQ(placeIn("o " + longName + "\n"), "5, 6 (object \"" + longName.substr(2) + "...\")");
 }
 
+TEST(DirtyModel, slabs_without_a_room_between_them_are_told_so) {
+    Polygons slabs;
+    slabs.add(box({0, -0.2, 0}, {5, 0, 4}), true);
+    slabs.add(box({-0.2, -0.2, -0.2}, {0, 2.5, 4.2}), true);
+    slabs.add(box({0, -0.1, 0}, {5.2, 2.5, 0.2}), true);
+    expectRefused(slabs, "encloses no room");
+    slabs.add(box({-0.2, 2.6, -0.2}, {5.2, 2.8, 4.2}), true); // a ceiling that touches no wall
+    expectRefused(slabs, "encloses no room");
+}
+
 TEST(DirtyModel, a_copy_of_another_material_is_named) {
     const auto file = [](const std::string& copies) {
         const std::string path = written(room());
