@@ -308,9 +308,6 @@ private:
             const GroundOutside sheets{std::exchange(out->sheets, {}), {}, {}};
             judge(sheets, solidsAmong(faces.soup, *out), false, *out);
         }
-        for (const uint32_t f : out->source)
-            if (const auto folded = faces.folded.find(f); folded != faces.folded.end())
-                throw foldError(*folded);
         leaveOutSmallRooms(*out);
         return std::move(*out);
     }

@@ -17,8 +17,7 @@ namespace {
 using Outline = std::vector<glm::dvec3>;
 
 constexpr double kBentOfExtent = 2e-4; // 1 mm in a room of 5 m: corners in whole millimetres, turned
-// Of the face's size: the one or the other way of dividing a ceiling 2.5 m high changes the room's volume by
-// 1 %.
+// Of the face's size: what is bent by more is named where the model does not close.
 constexpr double kMostBent = 0.02;
 
 std::vector<Outline> placed(const RawModel& model, size_t face) {

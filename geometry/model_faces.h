@@ -21,8 +21,8 @@ struct ModelFaces {
     size_t dropped = 0;                // faces without area
     std::string repair;                // of faces bent by little; empty where there are none
     std::vector<std::string> warnings; // of those bent by more, and what else was guessed
-    // By the face's number in the file, world metres: bent so far that which corners its triangles join would
-    // make another room. Terrain may be.
+    // By the face's number in the file, world metres: bent so far that this may be what keeps rooms from
+    // closing.
     std::map<uint32_t, double> folded;
     double coarser = 1; // how many times tolerances are wider, of files with few decimals
 };
