@@ -65,6 +65,7 @@ public:
                   double coarser = 1)
         : model_(readRawModel(file, options.materials)), givenScale_(options.worldPerBuilding) {
         for (glm::dvec3& p : model_.vertices) p = worldFromModel(p, up);
+        model_.up = up;
         const double all = extentOf([](uint32_t) { return true; });
         if (!(all > 0)) throw InputError(model_.file, model_.place(0), "all faces lie in one point");
         const double glass = extentOf(isGlass_);

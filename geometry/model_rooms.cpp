@@ -359,13 +359,25 @@ private:
                          what + (more.empty() ? "" : " (also " + more + ")"));
     }
 
+    // In the file's unit and axes, as the program that wrote it shows them.
+    std::string sizeOf(const std::vector<glm::dvec3>& hole) const {
+        if (hole.empty()) return "";
+        const Bounds box = boundsOf(hole);
+        const glm::dvec3 size = box.high - box.low, middle = 0.5 * (box.low + box.high),
+                         p = model_.up == UpAxis::z ? glm::dvec3(middle.x, -middle.z, middle.y) : middle;
+        return fmt::format(
+            " (it is {:.3g} wide and {:.3g} high, round {:.3g} {:.3g} {:.3g}, in the file's unit; "
+            "a face of glass in it, with Ni 1, is an opening)",
+            std::hypot(size.x, size.z), size.y, p.x, p.y, p.z);
+    }
+
     // Within a shell all faces look the same way: the way of most of its area.
     void orient() {
         if (building_.faces.empty())
             throw InputError(model_.file, model_.place(0), "no face of the model has an area");
         const std::vector<Face> before = made_.empty() ? std::vector<Face>{} : building_.faces;
         ShellFaces shells = orientShells(building_);
-        if (!shells.bad.empty()) refuse(std::move(shells.bad), shells.what);
+        if (!shells.bad.empty()) refuse(std::move(shells.bad), shells.what + sizeOf(shells.hole));
         shell_ = std::move(shells.shell);
         shellCount_ = shells.count;
         turnedOver_ += shells.turnedOver;

@@ -28,6 +28,7 @@ constexpr const char* kOutsideGroup = "heliodon_outside";
 
 struct RawModel {
     std::string file;
+    UpAxis up = UpAxis::y;            // of the file, where `vertices` were turned from that to y up
     std::vector<glm::dvec3> vertices; // finite, in the file's own axes
     // Face i has the corners corners[firstCorner[i] .. firstCorner[i + 1]), at least three, all valid
     // indices.

@@ -1,6 +1,7 @@
 #include "geometry/shell_faces.h"
 
 #include <algorithm>
+#include <optional>
 #include <set>
 
 #include <fmt/format.h>
@@ -65,8 +66,22 @@ ShellFaces openFaces(const Building& building, const std::map<Edge, std::vector<
     const auto isOfFirst = [&](uint32_t f) {
         return building.faces[f].surface == building.faces[*open.begin()].surface;
     };
-    if (!std::ranges::all_of(open, isOfFirst)) what += ": close the hole, or draw its door or glass";
-    return refused(borders[0], std::move(what));
+    const bool isHole = !std::ranges::all_of(open, isOfFirst);
+    if (isHole) what += ": close the hole, or draw its door or glass";
+    ShellFaces out = refused(borders[0], std::move(what));
+    if (!isHole) return out;
+    DisjointSets corners(building.vertices.size());
+    std::optional<uint32_t> first;
+    for (const auto& [edge, faces] : edges)
+        if (faces.size() == 1) {
+            corners.join(edge.first, edge.second);
+            if (!first && faces[0] == std::ranges::min(borders[0])) first = edge.first;
+        }
+    for (const auto& [edge, faces] : edges)
+        for (const uint32_t v : {edge.first, edge.second})
+            if (faces.size() == 1 && corners.root(v) == corners.root(*first))
+                out.hole.push_back(building.vertices[v]);
+    return out;
 }
 
 } // namespace

@@ -24,9 +24,10 @@ template<class AnyFace> void turnOver(AnyFace& face) {
 struct ShellFaces {
     std::vector<uint32_t> shell; // per face
     uint32_t count = 0;
-    size_t turnedOver = 0;     // faces, against the others of their shell
-    std::vector<uint32_t> bad; // faces that keep the shells from closing; empty when they do
-    std::string what;          // is wrong with those
+    size_t turnedOver = 0;        // faces, against the others of their shell
+    std::vector<uint32_t> bad;    // faces that keep the shells from closing; empty when they do
+    std::string what;             // is wrong with those
+    std::vector<glm::dvec3> hole; // corners along the first open border, where closing that may be all to do
 };
 
 // Turns faces over until within a shell all look the same way: the way of most of its area.

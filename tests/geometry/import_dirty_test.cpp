@@ -209,6 +209,19 @@ TEST(DirtyModel, faces_bent_by_centimetres_are_divided_with_a_warning) {
     }
 }
 
+TEST(DirtyModel, a_hole_is_said_with_its_size_and_place) {
+    Polygons open = room(); // a door hole in the wall at z = 0
+    open.vertices.insert(open.vertices.end(), {{1, 0, 0}, {2, 0, 0}, {2, 2, 0}, {1, 2, 0}});
+    open.faces[2] = {0, 8, 11, 10, 9, 1, 3, 2};
+    expectRefused(open, "it is 1 wide and 2 high, round 1.5 1 0,");
+    try {
+        importModel(written(open), UpAxis::z);
+        ADD_FAILURE() << "taken";
+    } catch (const InputError& error) {
+        EXPECT_NE(std::string(error.what()).find("round 1.5 1 0,"), std::string::npos) << error.what();
+    }
+}
+
 // Where the model closes with it, in either way of dividing it.
 TEST(DirtyModel, a_face_bent_by_much_is_divided_with_a_warning) {
     Polygons bent = room();
