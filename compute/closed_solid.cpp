@@ -65,16 +65,35 @@ Surfaces surfacesOf(const geometry::PatchMesh& mesh) {
     return surfaces;
 }
 
-bool pierces(const dvec3& a, const dvec3& b, const ConvexRegion& region, const dvec3& normal, double flat) {
-    const double ha = glm::dot(a - region.corners[0], normal), hb = glm::dot(b - region.corners[0], normal);
-    if (!((ha > flat && hb < -flat) || (ha < -flat && hb > flat))) return false;
-    const dvec3 x = a + ha / (ha - hb) * (b - a);
-    for (size_t k = 0; k < region.corners.size(); ++k) {
-        const dvec3 edge = region.corners[(k + 1) % region.corners.size()] - region.corners[k];
-        if (glm::dot(glm::cross(edge, x - region.corners[k]), normal) <= flat * glm::length(edge))
-            return false;
+// Whether a patch passes through a region by more than `flat`, with its edges or between them: prisms of one
+// height cross, though no edge of one goes through a face of the other.
+bool crosses(std::span<const dvec3> patch, const ConvexRegion& region, const dvec3& normal, double flat) {
+    double low = INFINITY, high = -INFINITY;
+    for (const dvec3& p : patch) {
+        const double h = glm::dot(p - region.corners[0], normal);
+        low = std::min(low, h), high = std::max(high, h);
     }
-    return true;
+    if (low >= -flat || high <= flat) return false;
+    dvec3 ends[2]; // of what the patch has in the region's plane
+    size_t count = 0;
+    for (size_t k = 0; k < patch.size() && count < 2; ++k) {
+        const dvec3 a = patch[k], b = patch[(k + 1) % patch.size()];
+        const double ha = glm::dot(a - region.corners[0], normal),
+                     hb = glm::dot(b - region.corners[0], normal);
+        if ((ha < 0) != (hb < 0)) ends[count++] = a + ha / (ha - hb) * (b - a);
+    }
+    double from = 0, to = 1;
+    for (size_t k = 0; k < region.corners.size() && count == 2 && from <= to; ++k) {
+        const dvec3 edge = region.corners[(k + 1) % region.corners.size()] - region.corners[k];
+        const dvec3 inward = glm::cross(normal, edge);
+        const double least = flat * glm::length(edge),
+                     da = glm::dot(inward, ends[0] - region.corners[k]) - least,
+                     db = glm::dot(inward, ends[1] - region.corners[k]) - least;
+        if (da <= 0 && db <= 0) return false;
+        if (da < 0) from = std::max(from, da / (da - db));
+        if (db < 0) to = std::min(to, da / (da - db));
+    }
+    return count == 2 && from <= to;
 }
 
 // Convex polygons, counter-clockwise from opposite sides: whether they have more than a border in common.
@@ -206,6 +225,10 @@ struct Whole {
     }
 };
 
+dvec3 pointBefore(const geometry::PatchMesh& mesh, uint32_t patch, double size) {
+    return geometry::patchCentroid(mesh, patch) + 1e-8 * size * geometry::patchNormal(mesh, patch);
+}
+
 std::map<uint32_t, Whole> wholesOf(const geometry::PatchMesh& mesh, const Surfaces& surfaces, double size) {
     std::map<uint32_t, Whole> wholes;
     std::map<uint32_t, double> largest;
@@ -219,14 +242,15 @@ std::map<uint32_t, Whole> wholesOf(const geometry::PatchMesh& mesh, const Surfac
             whole.high = glm::max(whole.high, mesh.vertices[corner]);
         if (double& most = largest[surfaces.of[i]]; area > most) {
             most = area;
-            whole.before = geometry::patchCentroid(mesh, i) + 1e-8 * size * geometry::patchNormal(mesh, i);
+            whole.before = pointBefore(mesh, i, size);
         }
     }
     return wholes;
 }
 
 // Those that hold another surface of their room in their solid: it goes round that as it does not round what
-// lies before it itself.
+// lies before it itself. Of boxes also those that hold no more than patches of another, as one pushed into a
+// box of its own width has: none crosses.
 void dropFilled(const geometry::PatchMesh& mesh, double size, Surfaces& surfaces) {
     const std::map<uint32_t, Whole> wholes = wholesOf(mesh, surfaces, size);
     for (const auto& [name, whole] : wholes) {
@@ -234,6 +258,11 @@ void dropFilled(const geometry::PatchMesh& mesh, double size, Surfaces& surfaces
         const long air = whole.turnsRound(mesh, whole.before);
         for (const auto& [other, inside] : wholes)
             if (mesh.room[other] == mesh.room[name] && whole.turnsRound(mesh, inside.before) != air)
+                surfaces.isSolid[name] = false;
+        if (air != 0) continue; // a room, which holds all patches
+        for (uint32_t i = 0; i < mesh.patchCount() && surfaces.isSolid[name]; ++i)
+            if (surfaces.of[i] != name && mesh.room[i] == mesh.room[name] &&
+                whole.turnsRound(mesh, pointBefore(mesh, i, size)) != 0)
                 surfaces.isSolid[name] = false;
     }
 }
@@ -265,19 +294,16 @@ std::vector<std::set<uint32_t>> surfacesIn(const geometry::PatchMesh& mesh, std:
     return result;
 }
 
-// Those of which edges pass through blockers, and those whose blockers they are.
+// Those of which patches pass through blockers, and those whose blockers they are.
 void dropPierced(const geometry::PatchMesh& mesh, const std::vector<ConvexRegion>& regions,
                  const std::vector<std::set<uint32_t>>& covered, double flat, Surfaces& surfaces) {
+    std::vector<std::vector<dvec3>> corners;
+    for (uint32_t i = 0; i < mesh.patchCount(); ++i) corners.push_back(geometry::patchCorners(mesh, i));
     for (size_t r = 0; r < regions.size(); ++r) {
         const dvec3 normal = normalOf(regions[r]);
         for (uint32_t i = 0; i < mesh.patchCount(); ++i) {
             if (mesh.room[i] != regions[r].room) continue;
-            const auto corner = mesh.patch(i);
-            bool through = false;
-            for (size_t k = 0; k < corner.size() && !through; ++k)
-                through = pierces(mesh.vertices[corner[k]], mesh.vertices[corner[(k + 1) % corner.size()]],
-                                  regions[r], normal, flat);
-            if (!through) continue;
+            if (!crosses(corners[i], regions[r], normal, flat)) continue;
             surfaces.drop(i);
             for (const uint32_t name : covered[r]) surfaces.isSolid[name] = false;
         }

@@ -12,10 +12,12 @@ namespace {
 using glm::dvec3;
 
 // A room of 4 x 3 x 5 m and solid boxes in it, faces looking outwards.
-geometry::PatchMesh roomWith(const std::vector<std::array<dvec3, 2>>& boxes) {
+geometry::PatchMesh roomWith(const std::vector<std::array<dvec3, 2>>& boxes, bool meshed = true) {
     geometry::PatchMesh mesh = test::boxRoom({});
     const size_t room = mesh.corners.size();
-    for (const auto& [low, high] : boxes) test::addBox(mesh, {.low = low, .high = high, .cells = {2, 2, 2}});
+    const uint32_t cells = meshed ? 2 : 1;
+    for (const auto& [low, high] : boxes)
+        test::addBox(mesh, {.low = low, .high = high, .cells = {cells, cells, cells}, .triangles = meshed});
     std::reverse(mesh.corners.begin() + static_cast<long>(room), mesh.corners.end());
     return mesh;
 }
@@ -38,6 +40,12 @@ TEST(ClosedSolid, what_a_box_stands_on_lies_inside_it) {
 TEST(ClosedSolid, solids_in_solids_and_solids_that_cross_are_none) {
     EXPECT_FALSE(isClosed(roomWith({{{{1, 1, 1}, {3, 2, 3}}}, {{{1.5, 1.2, 1.5}, {2, 1.5, 2}}}})));
     EXPECT_FALSE(isClosed(roomWith({{{{1, 1, 1}, {2, 2, 2}}}, {{{1.5, 1.5, 1.2}, {3, 2.5, 1.7}}}})));
+}
+
+TEST(ClosedSolid, boxes_that_cross_without_an_edge_of_one_in_a_face_of_the_other_are_none) {
+    EXPECT_FALSE(isClosed(roomWith({{{{1, 1, 1.4}, {3, 2, 1.6}}}, {{{1.2, 1, 1.3}, {1.4, 2, 2.3}}}}, false)));
+    // Pushed into one another, of one width and height: nothing of one crosses the other.
+    EXPECT_FALSE(isClosed(roomWith({{{{1, 1, 1}, {2, 2, 3}}}, {{{1, 1, 2}, {2, 2, 4}}}}, false)));
 }
 
 // A room with a box on its floor and two that cross: none of them is a solid; two that stand free are.

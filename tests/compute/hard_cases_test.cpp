@@ -110,6 +110,18 @@ std::vector<Case> hardCases() {
          rectangle({-1, 0.5, -1}, {1.4995, 0, 0}, {0, 0, 3}),
          rectangle({0.5005, 0.5, -1}, {1.4995, 0, 0}, {0, 0, 3})},
         1e-6);
+    // No edge of one goes through a face of the other; what of the end lies within sees backs alone.
+    Polygons boards = box({0, 0, 0}, {1, 1, 0.2}, false);
+    for (Polygon& face : box({0.2, 0, -0.5}, {0.4, 1, 0.7}, false)) {
+        for (glm::dvec3& p : face) {
+            const double x = p.x - 0.4, z = p.z - 0.2;
+            p = {0.4 + std::cos(0.5) * x + std::sin(0.5) * z, p.y,
+                 0.2 - std::sin(0.5) * x + std::cos(0.5) * z};
+        }
+        boards.push_back(face);
+    }
+    boards.push_back(rectangle({0, 0, 1}, {0, 1, 0}, {1, 0, 0}));
+    cases.push_back({"end of a board half inside another of its height", boards, 7, 12, 1e-5, kOracle});
     return cases;
 }
 
