@@ -223,6 +223,17 @@ struct Whole {
         }
         return std::lround(turns);
     }
+
+    double volume(const geometry::PatchMesh& mesh) const {
+        double six = 0;
+        for (const uint32_t i : patches) {
+            const auto c = mesh.patch(i);
+            for (size_t k = 1; k + 1 < c.size(); ++k)
+                six += glm::dot(mesh.vertices[c[0]] - low,
+                                glm::cross(mesh.vertices[c[k]] - low, mesh.vertices[c[k + 1]] - low));
+        }
+        return std::abs(six) / 6;
+    }
 };
 
 dvec3 pointBefore(const geometry::PatchMesh& mesh, uint32_t patch, double size) {
@@ -259,7 +270,8 @@ void dropFilled(const geometry::PatchMesh& mesh, double size, Surfaces& surfaces
         for (const auto& [other, inside] : wholes)
             if (mesh.room[other] == mesh.room[name] && whole.turnsRound(mesh, inside.before) != air)
                 surfaces.isSolid[name] = false;
-        if (air != 0) continue; // a room, which holds all patches
+        // A room, which holds all patches, or a sheet drawn for both sides, which holds nothing.
+        if (air != 0 || whole.volume(mesh) < 1e-8 * size * size * size) continue;
         for (uint32_t i = 0; i < mesh.patchCount() && surfaces.isSolid[name]; ++i)
             if (surfaces.of[i] != name && mesh.room[i] == mesh.room[name] &&
                 whole.turnsRound(mesh, pointBefore(mesh, i, size)) != 0)

@@ -451,11 +451,6 @@ private:
         return whyNoPane_;
     }
 
-    std::string objectOf(uint32_t face) const { // empty where it has no name
-        const std::string& name = model_.groups[model_.group[face]];
-        return name.empty() || name == "default" ? "" : fmt::format(" (of \"{}\")", name);
-    }
-
     InputError jointError(const LooseGlass& glass) const {
         const std::string place = model_.place(glass.faces[0]);
         if (*glass.joint > kMostGap * glass.diagonal)
@@ -463,8 +458,8 @@ private:
                     "the glass fills no hole, as a leaf that stands open or a flat pane that stands free"};
         return {model_.file, place,
                 fmt::format("a gap of {:.2g} m is left between the glass and the hole in which it stands, "
-                            "expected at most 0.5 % of its diagonal{}",
-                            inBuilding(*glass.joint), objectOf(glass.faces[0]))};
+                            "expected at most 0.5 % of its diagonal",
+                            inBuilding(*glass.joint))};
     }
 
     // Panes that no room has, or glass in a hole and not in a room: air and walls are taken for one another.

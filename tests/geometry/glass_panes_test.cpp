@@ -526,7 +526,7 @@ TEST(GlassPanes, that_fill_no_hole_are_refused_with_the_gap) {
             d.object("sash 3");
             d.slab(hole(-0.12, -0.03), hole(-0.1, -0.03));
         },
-        "of its diagonal (of \"sash 3\")");
+        "(object \"sash 3\"): a gap of 0.03 m");
     refuse([](Drawing& d) { d.slab(rectangle(1, 2.2, 0.8, 2, -0.12), rectangle(1, 2.2, 0.8, 2, -0.1)); },
            "the glass fills no hole, as a leaf that stands open");
     refuse([](Drawing& d) { d.face("glass", hole(-0.1, -0.03)); },

@@ -102,7 +102,7 @@ TEST(SmallRooms, a_house_that_is_open_is_no_showcase) {
         const Building building = drawing.read();
         FAIL() << building.roomCount;
     } catch (const InputError& error) {
-        EXPECT_NE(std::string(error.what()).find("the glass bounds no room"), std::string::npos)
+        EXPECT_NE(std::string(error.what()).find("encloses no room"), std::string::npos)
             << error.what();
     }
 }
