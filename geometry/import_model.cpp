@@ -283,16 +283,20 @@ private:
     ModelRooms rooms(const std::set<uint32_t>& made, const std::function<void()>& beforePart) const {
         try {
             return roomsOf(faces_, made, beforePart);
-        } catch (const InputError&) {
+        } catch (const InputError& wrong) {
             auto within = panesWithinRoom(faces_.soup, isGlass_, kWeldOfExtent * extent_);
             if (!within) throw;
             ModelFaces faces = faces_;
             faces.soup = std::move(within->soup);
-            ModelRooms out = roomsOf(faces, made, beforePart);
-            out.building.repairs.push_back(
-                fmt::format("{} with one room on both sides: seen through, as glass with a thickness",
-                            counted(within->panes, "pane")));
-            return out;
+            try {
+                ModelRooms out = roomsOf(faces, made, beforePart);
+                out.building.repairs.push_back(
+                    fmt::format("{} with one room on both sides: seen through, as glass with a thickness",
+                                counted(within->panes, "pane")));
+                return out;
+            } catch (const InputError&) { // what was wrong before says more
+                throw InputError(wrong);
+            }
         }
     }
 
