@@ -10,6 +10,7 @@
 
 #include "geometry/bounds.h"
 #include "geometry/face_soup.h"
+#include "geometry/shell_nesting.h"
 #include "geometry/triangle_rays.h"
 
 namespace heliodon::geometry {
@@ -31,11 +32,9 @@ dvec3 way(int k, int count) {
 class PocketFinder {
 public:
     PocketFinder(const std::vector<ShellTriangle>& triangles, double tolerance)
-        : box_{triangles[0].a, triangles[0].a}, rays_(triangles, tolerance) {
-        for (const ShellTriangle& t : triangles) {
-            box_ = united(box_, boundsOf(std::array{t.a, t.b, t.c}));
-            volume_ -= glm::dot(t.a, glm::cross(t.b, t.c)) / 6; // they look into the air
-        }
+        : box_{triangles[0].a, triangles[0].a}, rays_(triangles, tolerance),
+          volume_(volumeWithin(triangles)) {
+        for (const ShellTriangle& t : triangles) box_ = united(box_, boundsOf(std::array{t.a, t.b, t.c}));
         reach_ = glm::length(box_.high - box_.low);
     }
 
@@ -90,7 +89,7 @@ private:
 
     Bounds box_;
     TriangleRays rays_;
-    double volume_ = 0, reach_ = 0;
+    double volume_, reach_ = 0;
 };
 
 } // namespace

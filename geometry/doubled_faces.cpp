@@ -6,7 +6,6 @@
 #include <map>
 #include <optional>
 #include <set>
-#include <tuple>
 #include <utility>
 
 #include "geometry/disjoint_sets.h"
@@ -28,10 +27,7 @@ constexpr size_t kOnePart = 20; // of a piece's faces, one may be drawn for one 
 struct Piece {
     std::vector<uint32_t> faces; // of the welded building
     std::vector<bool> turned;    // per face: against how it is drawn
-    std::vector<ShellTriangle> triangles;
-    Bounds box;
-    double volume = 0; // positive: they look out
-    bool hasGlass = false;
+    bool looksIn = false, hasGlass = false;
 };
 
 class FaceHalver {
@@ -67,15 +63,9 @@ private:
 
     // Of faces with the same corners the first that looks the other way, as programs write both alike.
     bool findBacks() {
-        std::map<std::vector<std::tuple<double, double, double>>, std::vector<uint32_t>> alike;
-        for (uint32_t k = 0; k < faces_.size(); ++k) {
-            if (!isOpaque(k)) continue;
-            std::vector<std::tuple<double, double, double>> corners;
-            for (const auto& loop : faces_[k].loops)
-                for (const dvec3 p : loop) corners.emplace_back(p.x, p.y, p.z);
-            std::ranges::sort(corners);
-            alike[std::move(corners)].push_back(k);
-        }
+        std::map<std::vector<std::array<double, 3>>, std::vector<uint32_t>> alike;
+        for (uint32_t k = 0; k < faces_.size(); ++k)
+            if (isOpaque(k)) alike[sortedCorners(faces_[k])].push_back(k);
         isBack_.assign(faces_.size(), false);
         bool any = false;
         for (const auto& [corners, copies] : alike) {
@@ -125,14 +115,9 @@ private:
             out.turned.push_back(drawn[f].loops != alone.faces[f].loops);
             out.hasGlass |= !isOpaque(drawn[f].surface);
         }
-        const std::vector<FlatFace> flat = flatFacesOf(alone);
-        out.triangles = trianglesOf(flat);
-        if (out.triangles.empty()) return std::nullopt;
-        out.box = boundsOfFaces(flat);
-        for (const ShellTriangle& t : out.triangles) {
-            const dvec3 o = out.triangles[0].a;
-            out.volume += glm::dot(t.a - o, glm::cross(t.b - o, t.c - o)) / 6;
-        }
+        const std::vector<ShellTriangle> triangles = trianglesOf(flatFacesOf(alone));
+        if (triangles.empty()) return std::nullopt;
+        out.looksIn = volumeWithin(triangles) >= 0;
         return out;
     }
 
@@ -146,7 +131,7 @@ private:
         std::vector<bool> gone(faces_.size(), false);
         size_t count = 0;
         for (const Piece& piece : pieces) {
-            const bool wrongWay = (piece.volume > 0) == piece.hasGlass; // rooms look in, furniture out
+            const bool wrongWay = piece.looksIn != piece.hasGlass; // rooms look in, furniture out
             for (size_t f = 0; f < piece.faces.size(); ++f) {
                 const uint32_t k = piece.faces[f];
                 if (!back_[k].has_value()) {

@@ -261,6 +261,14 @@ bool shareTwinCorners(Building& building, double tolerance) {
 
 } // namespace
 
+std::vector<std::array<double, 3>> sortedCorners(const SoupFace& face) {
+    std::vector<std::array<double, 3>> corners;
+    for (const auto& loop : face.loops)
+        for (const glm::dvec3 p : loop) corners.push_back({p.x, p.y, p.z});
+    std::ranges::sort(corners);
+    return corners;
+}
+
 Building weldFaces(const std::vector<SoupFace>& soup, uint32_t roomCount, double tolerance, bool sheets) {
     Building building;
     building.roomCount = roomCount;

@@ -21,6 +21,10 @@ struct SoupFace {
     int twinKey = -1; // faces with one key are the pieces of one window, on either side of its wall
 };
 
+// Of all its loops, in an order of their own: equal for faces drawn in the same place, whichever way they
+// look.
+std::vector<std::array<double, 3>> sortedCorners(const SoupFace& face);
+
 // Welds corners of one room that are nearer than `tolerance` (metres) and puts corners that lie on another
 // face's edge into that edge. Drops edges and loops that collapse; faces without an outline vanish.
 // Pieces of a window become twins of those opposite, with equal corners.

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <map>
 #include <set>
-#include <tuple>
 #include <utility>
 
 #include <glm/mat3x3.hpp>
@@ -207,14 +206,10 @@ bool liesIn(const SheetRooms& rooms, const FlatFace& piece, double tolerance) {
 
 // Those with the same corners once, the other's material behind.
 std::vector<SoupFace> drawnOnce(const std::vector<SoupFace>& faces) {
-    std::map<std::vector<std::tuple<double, double, double>>, size_t> known;
+    std::map<std::vector<std::array<double, 3>>, size_t> known;
     std::vector<SoupFace> out;
     for (const SoupFace& face : faces) {
-        std::vector<std::tuple<double, double, double>> corners;
-        for (const auto& loop : face.loops)
-            for (const dvec3 p : loop) corners.emplace_back(p.x, p.y, p.z);
-        std::ranges::sort(corners);
-        const auto [first, isNew] = known.try_emplace(std::move(corners), out.size());
+        const auto [first, isNew] = known.try_emplace(sortedCorners(face), out.size());
         if (isNew)
             out.push_back(face);
         else if (glm::dot(areaVector(out[first->second].loops[0]), areaVector(face.loops[0])) < 0)

@@ -9,15 +9,6 @@ namespace heliodon::geometry {
 
 namespace {
 
-// Of what triangles that look inwards enclose.
-double volume(const std::vector<ShellTriangle>& shell) {
-    double sum = 0;
-    const glm::dvec3 origin = shell.empty() ? glm::dvec3(0) : shell.back().a;
-    for (const ShellTriangle& t : shell)
-        sum -= glm::dot(t.a - origin, glm::cross(t.b - origin, t.c - origin)) / 6;
-    return sum;
-}
-
 // Whether the outermost shell s is the outside of walls round the shells right within it.
 bool isOutside(uint32_t s, const std::vector<std::vector<uint32_t>>& around,
                const std::vector<double>& volumes) {
@@ -51,6 +42,14 @@ std::vector<bool> bodiesOutside(const std::vector<std::vector<uint32_t>>& around
 
 } // namespace
 
+double volumeWithin(const std::vector<ShellTriangle>& shell) {
+    double sum = 0;
+    const glm::dvec3 origin = shell.empty() ? glm::dvec3(0) : shell.back().a;
+    for (const ShellTriangle& t : shell)
+        sum -= glm::dot(t.a - origin, glm::cross(t.b - origin, t.c - origin)) / 6;
+    return sum;
+}
+
 int crossings(const std::vector<ShellTriangle>& shell, glm::dvec3 p) {
     int count = 0;
     for (const ShellTriangle& t : shell) count += distanceTo(t, p, kOddWay).has_value();
@@ -67,7 +66,7 @@ ShellNesting nestShells(const std::vector<std::vector<ShellTriangle>>& shells,
             if (s != o && !shells[s].empty() && crossings(shells[o], shells[s].back().a) % 2 == 1)
                 around[s].push_back(o);
     std::vector<double> volumes;
-    for (const auto& shell : shells) volumes.push_back(volume(shell));
+    for (const auto& shell : shells) volumes.push_back(volumeWithin(shell));
     out.room.assign(count, 0);
     std::vector<uint32_t> outsides;
     for (uint32_t s = 0; s < count; ++s)

@@ -29,6 +29,9 @@ struct ShellNesting {
 ShellNesting nestShells(const std::vector<std::vector<ShellTriangle>>& shells,
                         const std::vector<bool>& hasGlass);
 
+// Of what closed triangles enclose, negative where they look out of it.
+double volumeWithin(const std::vector<ShellTriangle>& shell);
+
 // How many times a ray from p along kOddWay passes through the shell: odd for points inside.
 int crossings(const std::vector<ShellTriangle>& shell, glm::dvec3 p);
 
