@@ -25,11 +25,17 @@ namespace heliodon::compute {
 
 namespace {
 
-constexpr uint32_t kTile = 2304; // pieces along a side of what is handled at once
+// Pieces along a side of what is handled at once: few on a CPU, which wants them in its cache; a discrete
+// device is through with a tile sooner than the host asks for the next (9824 patches on an H200: 116 ms by
+// 2304, 31 in one). And fewest where the matrix itself takes tiles, which then are as high as the device
+// binds rows of it.
+constexpr uint32_t kTile = 2304, kDiscreteTile = 16384, kDiscreteStream = 8192, kLeastRows = 1024;
 // Records whose cells are refined together: few on a CPU, which wants them in its cache; a discrete device
 // waits longer for the host between two levels than it works on so many.
 constexpr uint32_t kBatch = 1u << 16, kDiscreteBatch = 1u << 18;
 constexpr size_t kSumWords = 4; // per record: form factor, its fraction, error, its fraction
+constexpr uint64_t kDiscreteRecords = 1u << 24;
+constexpr size_t kLargestAlignment = 256; // that a device may want of where a storage buffer is bound
 constexpr size_t kCellBytes = 4 * io::kExactCellWords;
 constexpr uint32_t kChunk = 65535u * io::kExactGroup; // invocations of one dispatch
 constexpr uint32_t kMostGroups = 65535;
@@ -38,25 +44,28 @@ constexpr double kQuickFrom = 3e-5; // row error from which four points settle m
 constexpr double kLinesFrom = 3e-5; // and from which lines across far pieces cost less than exact borders
 constexpr double kCutsFrom = 1e-4;  // and down from which large patches behind crowds are cut
 constexpr uint32_t kLineLevels = 3; // halvings of a piece in exact_lines.comp
-// Of single entries over what cells behind crowds err by, each by itself, as they estimate it; of single rows,
-// of which few such entries may be nearly all.
+// Of single entries over what cells behind crowds err by, each by itself, as they estimate it; of single
+// rows, of which few such entries may be nearly all.
 constexpr double kCrowdEntries = 2.6;
-// Of the matrix: 3 to 13 times its error in rooms with a reference, 1.3 to 2 where this share of its square and
-// more is of crowds (160 and 624 boards).
+// Of the matrix: 3 to 13 times its error in rooms with a reference, 1.3 to 2 where this share of its square
+// and more is of crowds (160 and 624 boards).
 constexpr double kCaution = 5, kCrowdCaution = 1.5, kOfCrowds = 0.2;
 constexpr double kRowCaution = 1.3; // of single rows over their estimates, so that 99 of 100 hold (measured)
 
 class Solver {
 public:
-    Solver(gpu::Device& device, const geometry::PatchMesh& mesh, const ExactOptions& options)
-        : device_(device), options_(options) {
+    // With `whole` tiles are parts of the matrix where they can be, see takeMatrix.
+    Solver(gpu::Device& device, const geometry::PatchMesh& mesh, const ExactOptions& options, bool whole)
+        : device_(device), options_(options), discrete_(device.info().type == "discrete") {
         const uint64_t storage = device_.limits().maxStorageBufferRange;
-        const auto side = static_cast<uint32_t>(std::sqrt(static_cast<double>(storage) / 4));
-        scene_ = exactScene(device, mesh, std::min(kTile, side), options.maxError <= kCutsFrom);
+        scene_ = exactScene(device, mesh, tileFor(mesh.patchCount(), storage, whole),
+                            options.maxError <= kCutsFrom);
         tolerance_ = exactEntryTolerance(options.maxError, scene_.pieceCount);
         words_ = std::max(1u, (scene_.blockerCount + 31) / 32);
         kernels_ = ExactKernels(device, scene_.mostCorners);
         kernels_.prepare(byLines(), scene_.blockerCount);
+        if (whole && isBoundByRows(storage))
+            matrix_ = gpu::Buffer(device_, size_t{scene_.patchCount} * scene_.patchCount * 4, "form factors");
         makeBuffers(storage);
         statistics.blockers = scene_.blockerCount;
         rowSquares_.assign(scene_.patchCount, 0.0);
@@ -80,13 +89,16 @@ public:
         return std::move(entrySquares_);
     }
     float tolerance() const { return tolerance_; }
-    // The only tile's values; pieces stand in patch order.
-    gpu::Buffer takeMatrix() { return std::move(there_); }
+    // All of it, if tiles are parts of it: where each patch is one piece, and the device binds enough of its
+    // rows.
+    gpu::Buffer takeMatrix() { return std::move(matrix_); }
+    bool hasMatrix() const { return matrix_.valid(); }
 
     // Calls `done(a, b)` after each pair of tiles.
     template<class Done> void run(const Done& done) {
         const double all = 0.5 * static_cast<double>(scene_.pieceCount) * scene_.pieceCount;
         double pairs = 0;
+        clearSums();
         for (const ExactTileRange& a : scene_.tiles) {
             findSides(a, sidesA_);
             for (const ExactTileRange* b = &a; b < scene_.tiles.data() + scene_.tiles.size(); ++b) {
@@ -100,6 +112,7 @@ public:
                 if (options_.progress) options_.progress(pairs / all);
             }
         }
+        readClaims();
     }
 
     const gpu::Buffer& there() const { return there_; }
@@ -116,7 +129,43 @@ private:
     gpu::Binding clusters() const { return gpu::texel(scene_.clusters, VK_FORMAT_R32G32B32A32_UINT); }
     gpu::Binding sides(const gpu::Buffer& of) const { return gpu::texel(of, VK_FORMAT_R32G32B32A32_UINT); }
     gpu::Binding sidesOf(bool diagonal) const { return sides(diagonal ? sidesA_ : sidesB_); }
-    const gpu::Buffer& backOf(bool diagonal) const { return diagonal ? there_ : back_; }
+
+    uint32_t tileFor(size_t patches, uint64_t storage, bool whole) const {
+        uint64_t tile = discrete_ ? whole ? kDiscreteTile : kDiscreteStream : kTile;
+        const uint64_t rows = storage / (4 * std::max<uint64_t>(patches, 1)) - 1; // and what alignment adds
+        if (whole && rows >= kLeastRows) tile = std::min(tile, rows);
+        return static_cast<uint32_t>(
+            std::min(static_cast<double>(tile), std::sqrt(static_cast<double>(storage) / 4)));
+    }
+
+    bool isBoundByRows(uint64_t storage) const {
+        return std::ranges::all_of(scene_.tiles, [&](const ExactTileRange& tile) {
+            return tile.piecesArePatches &&
+                   4 * uint64_t{scene_.patchCount} * tile.pieces + kLargestAlignment <= storage;
+        });
+    }
+
+    // Where F of rows of one tile and columns of another stands; `buffer` if not in the matrix.
+    struct Half {
+        gpu::Binding binding;
+        uint32_t first, stride; // in floats
+    };
+    Half halfOf(const ExactTileRange& rows, const ExactTileRange& columns, const gpu::Buffer& buffer) const {
+        if (!hasMatrix()) return {buffer, 0, columns.pieces};
+        const size_t n = scene_.patchCount, first = 4 * (rows.firstPatch * n + columns.firstPatch),
+                     begin = first / kLargestAlignment * kLargestAlignment,
+                     end = first + 4 * ((rows.patches - 1) * n + columns.patches);
+        return {gpu::part(matrix_, begin, end - begin), static_cast<uint32_t>((first - begin) / 4),
+                scene_.patchCount};
+    }
+
+    struct Halves {
+        Half there, back;
+        io::ExactHalves params() const { return {there.first, there.stride, back.first, back.stride}; }
+    };
+    Halves halvesOf(const ExactTileRange& a, const ExactTileRange& b) const {
+        return {halfOf(a, b, there_), halfOf(b, a, &a == &b ? there_ : back_)};
+    }
 
     // Whether far pairs with blockers are sampled along lines.
     bool byLines() const {
@@ -130,11 +179,12 @@ private:
             mostClusters = std::max<uint64_t>(mostClusters, tile.clusters);
         }
         const bool oneTile = scene_.tiles.size() == 1;
-        const uint64_t pairs = oneTile ? pieces * (pieces - 1) / 2 : pieces * pieces;
-        recordCapacity_ =
-            static_cast<uint32_t>(std::clamp<uint64_t>(pairs, 1, storage / sizeof(io::ExactRecord)));
-        listCapacity_ = static_cast<uint32_t>(
-            std::max<uint64_t>(1, std::min<uint64_t>(storage, options_.workBytes / 2) / 4));
+        const uint64_t pairs = oneTile ? pieces * (pieces - 1) / 2 : pieces * pieces,
+                       mostRecords = discrete_ ? std::max(kDiscreteRecords, pairs / 8) : pairs;
+        recordCapacity_ = static_cast<uint32_t>(
+            std::clamp<uint64_t>(std::min(pairs, mostRecords), 1, storage / sizeof(io::ExactRecord)));
+        const uint64_t lists = std::max(options_.workBytes / 2, discrete_ ? pairs : 0);
+        listCapacity_ = static_cast<uint32_t>(std::max<uint64_t>(1, std::min<uint64_t>(storage, lists) / 4));
         const uint64_t slack = 4 * (uint64_t{options_.maxDepth} + 2); // four of each level, see `refine`
         cellCapacity_ = static_cast<uint32_t>(
             std::max<uint64_t>(std::min<uint64_t>(storage, options_.workBytes / 4) / kCellBytes,
@@ -143,8 +193,8 @@ private:
         // exact_lines.comp keeps numbers of records there, too.
         const uint64_t cellBytes =
             std::max<uint64_t>((cellCapacity_ + slack) * kCellBytes, 4 * uint64_t{recordCapacity_});
-        there_ = gpu::Buffer(device_, pieces * pieces * 4, "form factors");
-        if (!oneTile) back_ = gpu::Buffer(device_, pieces * pieces * 4, "exact mirror tile");
+        if (!hasMatrix()) there_ = gpu::Buffer(device_, pieces * pieces * 4, "exact tile");
+        if (!hasMatrix() && !oneTile) back_ = gpu::Buffer(device_, pieces * pieces * 4, "exact mirror tile");
         for (gpu::Buffer* sides : {&sidesA_, &sidesB_})
             *sides = gpu::Buffer(device_, (pieces + mostClusters) * words_ * 16, "exact sides");
         blocks_ = gpu::Buffer(device_, mostClusters * mostClusters * 4, "exact blocks");
@@ -154,6 +204,7 @@ private:
             *records = gpu::Buffer(device_, sizeof(io::ExactRecord) * recordCapacity_, "exact records");
         lists_ = gpu::Buffer(device_, static_cast<size_t>(listCapacity_) * 4, "exact lists");
         sums_ = gpu::Buffer(device_, 4 * kSumWords * recordCapacity_, "exact sums");
+        claims_ = gpu::Buffer(device_, size_t{4} * io::kExactClaimWords * scene_.patchCount, "exact claims");
         for (gpu::Buffer& cells : cells_) cells = gpu::Buffer(device_, cellBytes, "exact cells");
     }
 
@@ -212,15 +263,16 @@ private:
     void integrateWindow(const ExactTileRange& a, const ExactTileRange& b, double share) {
         const uint32_t open = counters_[io::kExactOpenCount], one = counters_[io::kExactOneCount],
                        two = counters_[io::kExactTwoCount], many = counters_[io::kExactManyCount],
-                       lines = counters_[io::kExactLineCount];
+                       lines = counters_[io::kExactLineCount], openMany = counters_[io::kExactOpenManyCount];
+        statistics.partial += uint64_t{lines} + one + two + many - openMany;
         cellTolerance_ = tolerance_;
         if (lines) integrateLines(lines, pairTolerance(lines / share, a, b), a, b);
-        if (open) integrate(kernels_.few(0), records_, 0, open, a, b);
+        if (open) integrate(kernels_.few(0), records_, 0, open, a, b, true);
         if (byLines() && share > 0)
             cellTolerance_ = std::min(tolerance_, pairTolerance((one + two + many) / share, a, b));
-        if (one) integrate(kernels_.few(1), fewRecords_, 0, one, a, b);
-        if (two) integrate(kernels_.few(2), fewRecords_, recordCapacity_ - two, two, a, b);
-        if (many) integrate(kernels_.many(), records_, recordCapacity_ - many, many, a, b);
+        if (one) integrate(kernels_.few(1), fewRecords_, 0, one, a, b, false);
+        if (two) integrate(kernels_.few(2), fewRecords_, recordCapacity_ - two, two, a, b, false);
+        if (many) integrate(kernels_.many(), records_, recordCapacity_ - many, many, a, b, openMany > 0);
     }
 
     // Leaves what the kernels counted in `counters_`.
@@ -237,8 +289,9 @@ private:
     std::pair<uint32_t, uint32_t> findBlocks(const ExactTileRange& a, const ExactTileRange& b) {
         const bool diagonal = &a == &b;
         gpu::Commands commands(device_);
-        commands.fill(there_, 0, 0, static_cast<size_t>(a.pieces) * b.pieces * 4);
-        if (!diagonal) commands.fill(back_, 0, 0, static_cast<size_t>(a.pieces) * b.pieces * 4);
+        if (!hasMatrix()) commands.fill(there_, 0, 0, static_cast<size_t>(a.pieces) * b.pieces * 4);
+        if (!hasMatrix() && !diagonal)
+            commands.fill(back_, 0, 0, static_cast<size_t>(a.pieces) * b.pieces * 4);
         counters_.clear(commands);
         const io::ExactBlocksParams params{scene_.pieceCount, words_,     a.pieces,       b.pieces,
                                            a.firstCluster,    a.clusters, b.firstCluster, b.clusters};
@@ -273,24 +326,27 @@ private:
         // invocation.
         const uint32_t strips =
             words_ > kManyWords ? gpu::groupsFor(kClusterPieces * kClusterPieces, io::kExactGroup) : 1;
+        const Halves halves = halvesOf(a, b);
         for (uint32_t done = 0; done < count; done += kMostGroups) {
-            const io::ExactPairsParams params{
-                scene_.pieceCount, words_,         first + done,        a.firstPiece, b.firstPiece,
-                a.firstCluster,    b.firstCluster, b.clusters,          a.pieces,     b.pieces,
-                recordCapacity_,   listCapacity_,  byLines() ? 1u : 0u, tolerance_};
+            const io::ExactPairsParams params{scene_.pieceCount, words_,        first + done,
+                                              a.firstPiece,      b.firstPiece,  a.firstCluster,
+                                              b.firstCluster,    b.clusters,    halves.params(),
+                                              recordCapacity_,   listCapacity_, byLines() ? 1u : 0u,
+                                              tolerance_};
             commands.dispatch(kernels_.pairs(clear),
                               {high(), low(), normal(), centre(), range(), clusters(), sides(sidesA_),
                                sidesOf(diagonal), counters_.buffer(), blocks_, masks_, records_, lists_,
-                               there_, backOf(diagonal), fewRecords_},
+                               halves.there.binding, halves.back.binding, fewRecords_},
                               params, strips, std::min(kMostGroups, count - done));
         }
     }
 
+    // `open`: nothing may stand between some.
     void integrate(const gpu::Kernel& kernel, gpu::Buffer& records, uint32_t first, uint32_t count,
-                   const ExactTileRange& a, const ExactTileRange& b) {
-        const uint32_t most = device_.info().type == "discrete" ? kDiscreteBatch : kBatch;
+                   const ExactTileRange& a, const ExactTileRange& b, bool open) {
+        const uint32_t most = discrete_ ? kDiscreteBatch : kBatch;
         const uint32_t batch = std::min(most, cellCapacity_ / cellsOfPair());
-        const uint32_t byCells = count - integrateContours(records, first, count);
+        const uint32_t byCells = count - (open ? integrateContours(records, first, count) : 0);
         RefinementForecast forecast(byCells);
         for (uint32_t done = 0; done < byCells; done += batch)
             refine(kernel, records, first + done, std::min(batch, byCells - done), forecast);
@@ -336,16 +392,42 @@ private:
     // `byCells`: sums are as exact_cubature.glsl leaves them.
     void finish(const gpu::Buffer& records, uint32_t first, uint32_t count, const ExactTileRange& a,
                 const ExactTileRange& b, bool byCells) {
+        const Halves halves = halvesOf(a, b);
+        const uint32_t mostExact = !byCells                                    ? UINT32_MAX
+                                   : cellTolerance_ < io::kExactCrowdTolerance ? io::kExactCrowdExact
+                                                                               : io::kExactCrowd;
         gpu::Commands commands(device_);
         for (uint32_t done = 0; done < count; done += kChunk) {
             const uint32_t part = std::min(kChunk, count - done);
-            const io::ExactFinishParams params{first + done, part, a.pieces, b.pieces};
+            const io::ExactFinishParams params{first + done, part, mostExact, halves.params()};
             commands.dispatch(kernels_.finish(),
-                              {normal(), range(), records, sums_, there_, backOf(&a == &b)}, params,
-                              gpu::groupsFor(part, io::kExactGroup));
+                              {normal(), range(), records, sums_, halves.there.binding, halves.back.binding,
+                               gpu::texel(scene_.rowOfPiece, VK_FORMAT_R32G32_UINT), claims_},
+                              params, gpu::groupsFor(part, io::kExactGroup));
         }
         device_.submitAndWait(std::move(commands));
-        collectErrors(records, first, count, byCells);
+        if (!entrySquares_.empty()) collectEntryErrors(records, first, count, mostExact);
+    }
+
+    void clearSums() {
+        gpu::Commands commands(device_);
+        commands.fill(claims_, 0);
+        if (hasMatrix()) commands.fill(matrix_, 0);
+        device_.submitAndWait(std::move(commands));
+    }
+
+    void readClaims() {
+        const gpu::HostView<uint32_t> words(claims_, size_t{io::kExactClaimWords} * scene_.patchCount);
+        const auto sumFrom = [&](size_t word) {
+            return words[word] + std::ldexp(words[word + 1], -32) + std::ldexp(words[word + 2], -64);
+        };
+        for (size_t i = 0; i < scene_.patchCount; ++i) {
+            const double plain = sumFrom(io::kExactClaimWords * i),
+                         crowd = sumFrom(io::kExactClaimWords * i + 3);
+            rowSquares_[i] += plain + crowd;
+            cautiousSquares_[i] += plain + kCrowdEntries * kCrowdEntries * crowd;
+            crowdSquares_ += crowd;
+        }
     }
 
     // A pair becomes at most four cells for each triangle of a piece that another's plane has cut.
@@ -419,37 +501,26 @@ private:
         return counters_[io::kExactCellCount];
     }
 
-    void collectErrors(const gpu::Buffer& list, uint32_t first, uint32_t count, bool byCells) {
-        const uint32_t mostExact =
-            cellTolerance_ < io::kExactCrowdTolerance ? io::kExactCrowdExact : io::kExactCrowd;
+    void collectEntryErrors(const gpu::Buffer& list, uint32_t first, uint32_t count, uint32_t mostExact) {
         const gpu::HostView<io::ExactRecord> records(list, count, first * sizeof(io::ExactRecord));
         const gpu::HostView<uint32_t> sums(sums_, kSumWords * count, 4 * kSumWords * first);
         for (uint32_t k = 0; k < count; ++k) {
             const uint32_t* sum = sums.data() + kSumWords * k;
             const double added = (sum[2] + sum[3] / double{io::kExactFraction}) / double{io::kExactOne};
             const io::ExactRecord& r = records[k];
-            const bool crowd = byCells && r.listed > mostExact;
-            const double error = crowd ? std::sqrt(added) : added,
-                         back = error * scene_.area[r.outer] / scene_.area[r.inner];
-            if (r.listed > 0) ++statistics.partial;
-            claim(r.outer, r.inner, error, crowd);
-            claim(r.inner, r.outer, back, crowd);
+            const bool crowd = r.listed > mostExact;
+            const double error = crowd ? kCrowdEntries * std::sqrt(added) : added;
+            claimEntry(r.outer, r.inner, error);
+            claimEntry(r.inner, r.outer, error * scene_.area[r.outer] / scene_.area[r.inner]);
         }
     }
 
-    // A patch's row is the mean of its pieces' rows by area, its error at most the root of their mean square.
     // Errors of an entry's pairs of pieces are independent: of patches cut in 25, their sum would be 25 times
     // as large.
-    void claim(uint32_t from, uint32_t to, double error, bool crowd) {
-        const uint32_t patch = scene_.pieces[from].patch;
-        const float share = scene_.shareOfPatch[from];
-        const double ofEntry = crowd ? kCrowdEntries * error : error;
-        rowSquares_[patch] += error * error * double{share};
-        if (crowd) crowdSquares_ += error * error * double{share};
-        cautiousSquares_[patch] += ofEntry * ofEntry * double{share};
-        if (entrySquares_.empty()) return;
-        const float most = (static_cast<float>(ofEntry) + tolerance_) * share;
-        entrySquares_[size_t{patch} * scene_.patchCount + scene_.pieces[to].patch] += most * most;
+    void claimEntry(uint32_t from, uint32_t to, double error) {
+        const float most = (static_cast<float>(error) + tolerance_) * scene_.shareOfPatch[from];
+        entrySquares_[size_t{scene_.pieces[from].patch} * scene_.patchCount + scene_.pieces[to].patch] +=
+            most * most;
     }
 
     void claimCovered(uint32_t from, uint32_t to, double passes) {
@@ -462,18 +533,21 @@ private:
 
     gpu::Device& device_;
     ExactOptions options_;
+    bool discrete_;
     uint32_t words_ = 1, recordCapacity_ = 1, listCapacity_ = 1, cellCapacity_ = 1;
     float tolerance_ = 0, cellTolerance_ = 0;
     ExactScene scene_;
     ExactKernels kernels_;
+    gpu::Buffer matrix_;       // that tiles are parts of; else
     gpu::Buffer there_, back_; // the tile and its mirror image
+    gpu::Buffer claims_;       // as in exact_finish.comp
     gpu::Counters counters_;
     gpu::Buffer sidesA_, sidesB_, blocks_, masks_, records_, fewRecords_, lists_, sums_, cells_[2];
     Stopwatch watch_;
     PartsForecast tiles_;
     double longestTold_ = 0; // seconds, in all
     std::vector<double> rowSquares_, cautiousSquares_;
-    double crowdSquares_ = 0; // of all rows, what pairs behind crowds have
+    double crowdSquares_ = 0;         // of all rows, what pairs behind crowds have
     std::vector<float> entrySquares_; // n x n: of entries' errors
 };
 
@@ -508,7 +582,7 @@ ExactFormFactors exactFormFactorTiles(gpu::Device& device, const geometry::Patch
     ExactFormFactors result = emptyResult(mesh);
     if (mesh.patchCount() == 0) return result;
     SecondsAdded timer(result.factors.report.seconds);
-    Solver solver(device, mesh, options);
+    Solver solver(device, mesh, options, false);
     solver.run([&](const ExactTileRange& a, const ExactTileRange& b) {
         handOver(solver.scene(), a, b, solver.there(), take);
         if (&a != &b) handOver(solver.scene(), b, a, solver.back(), take);
@@ -522,8 +596,8 @@ ExactFormFactors exactFormFactors(gpu::Device& device, const geometry::PatchMesh
     ExactFormFactors result = emptyResult(mesh);
     const size_t n = mesh.patchCount();
     SecondsAdded timer(result.factors.report.seconds);
-    Solver solver(device, mesh, options);
-    if (solver.scene().tiles.size() == 1 && solver.scene().tiles[0].piecesArePatches) {
+    Solver solver(device, mesh, options, true);
+    if (solver.hasMatrix()) {
         solver.run([](const ExactTileRange&, const ExactTileRange&) {});
         result.factors.values = solver.takeMatrix();
     } else {

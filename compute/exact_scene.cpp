@@ -2,11 +2,14 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
+#include <future>
 #include <set>
 #include <utility>
 
 #include <glm/geometric.hpp>
+#include <glm/vec2.hpp>
 #include <glm/vec4.hpp>
 
 #include "compute/closed_solid.h"
@@ -235,11 +238,13 @@ ExactScene exactScene(gpu::Device& device, const geometry::PatchMesh& mesh, uint
     const geometry::Bounds box = geometry::boundsOf(mesh.vertices);
     scene.centre = faces.centre = box.centre();
     scene.samePlane = static_cast<float>(kSamePlane * box.diagonal());
+    // Half of the work, beside the other.
+    std::future<Blockers> blockers = std::async(std::launch::async, [&] { return blockersOf(mesh); });
     const std::vector<uint32_t> planes = planeNumbers(mesh);
     const NarrowGaps gaps = narrowGaps(mesh, planes, kNarrow);
     scene.covered = coveredOf(gaps);
     std::vector<RadiatingPiece> pieces = piecesOf(mesh, planes, gaps);
-    const auto [regions, ofSolids] = blockersOf(mesh);
+    const auto [regions, ofSolids] = blockers.get();
     if (cutsCrowds && regions.size() > kCrowd && pieces.size() < kFewPieces)
         pieces = cutPieces(pieces, kCutPieces);
     for (size_t i = 0; i < mesh.patchCount(); ++i) scene.patchArea.push_back(geometry::patchArea(mesh, i));
@@ -254,6 +259,7 @@ ExactScene exactScene(gpu::Device& device, const geometry::PatchMesh& mesh, uint
         tile.clusters = static_cast<uint32_t>(clusters.size()) - tile.firstCluster;
         tile.piecesArePatches = tile.piecesArePatches && scene.covered.empty();
     }
+    std::vector<glm::uvec2> rowOfPiece;
     for (const RadiatingPiece& piece : pieces) {
         scene.mostCorners = std::max(scene.mostCorners, static_cast<uint32_t>(piece.corners.size()));
         faces.add(piece.corners, piece.normal, piece.room, piece.place);
@@ -261,6 +267,7 @@ ExactScene exactScene(gpu::Device& device, const geometry::PatchMesh& mesh, uint
         scene.area.push_back(area);
         scene.shareOfPatch.push_back(
             area > 0 ? static_cast<float>(std::min(1.0, double{area} / scene.patchArea[piece.patch])) : 0.0f);
+        rowOfPiece.emplace_back(piece.patch, std::bit_cast<uint32_t>(scene.shareOfPatch.back()));
     }
     for (size_t k = 0; k < regions.size(); ++k)
         faces.add(regions[k].corners, unitOrZero(geometry::areaVector(regions[k].corners)), regions[k].room,
@@ -277,6 +284,7 @@ ExactScene exactScene(gpu::Device& device, const geometry::PatchMesh& mesh, uint
     scene.faceNormal = gpu::Buffer::from(device, faces.normal, "exact normals");
     scene.faceCentre = gpu::Buffer::from(device, faces.middle, "exact centres");
     scene.faceRange = gpu::Buffer::from(device, faces.range, "exact ranges");
+    scene.rowOfPiece = gpu::Buffer::from(device, rowOfPiece, "exact rows");
     scene.pieces = std::move(pieces);
     scene.clusters = gpu::Buffer::from(device, clusterData, "exact clusters");
     return scene;

@@ -39,6 +39,7 @@ struct ExactScene {
     std::vector<Covered> covered;
     gpu::Buffer cornerHigh, cornerLow, faceNormal, faceCentre,
         faceRange;        // as in shaders/lib/exact_scene.glsl
+    gpu::Buffer rowOfPiece; // patch and, as bits of a float, shareOfPatch
     gpu::Buffer clusters; // as in shaders/io/exact_form_factors.io.h
 };
 

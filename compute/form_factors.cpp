@@ -18,6 +18,7 @@
 #include "compute/hemicube_refined.h"
 #include "compute/hierarchical.h"
 #include "compute/kernel_choice.h"
+#include "compute/matrix_sums.h"
 #include "compute/monte_carlo.h"
 #include "compute/parallel.h"
 #include "compute/row_claims.h"
@@ -300,8 +301,9 @@ FormFactors factorsOfAuto(gpu::Device& device, const geometry::PatchMesh& mesh,
 }
 
 // With the claims that only the finished matrix allows.
-void measure(const geometry::PatchMesh& mesh, const std::string& kernel, FormFactors& factors) {
-    measureFormFactors(mesh, factors.values, factors.report);
+void measure(gpu::Device& device, const geometry::PatchMesh& mesh, const std::string& kernel,
+             FormFactors& factors) {
+    measureFormFactors(device, mesh, factors.values, factors.report);
     if (kernel == "montecarlo") claimWhatRaysMiss(mesh, factors.report);
 }
 
@@ -343,18 +345,18 @@ bool goOnWhereMissed(gpu::Device& device, const geometry::PatchMesh& mesh, const
         } catch (const TooManyBlockers&) { // which finer errors may meet first
             continue;
         }
-        measure(mesh, other.kernel, made);
+        measure(device, mesh, other.kernel, made);
         claims += ", " + claimOf(other, made);
         if (made.report.claimedRowError >= factors.report.claimedRowError) continue;
         factors = std::move(made);
         choice = other;
         if (keepsRows(factors, choice, asked)) break;
     }
-    choice.why += fmt::format("; rows are claimed within {} where {:.2g} was asked for: {} it is", claims, asked,
-                              choice.kernel);
+    choice.why += fmt::format("; rows are claimed within {} where {:.2g} was asked for: {} it is", claims,
+                              asked, choice.kernel);
     if (!keepsRows(factors, choice, asked))
-        choice.missed = fmt::format("no kernel keeps the row error of {:.2g} that was asked for; claimed are {}",
-                                    asked, claims);
+        choice.missed = fmt::format(
+            "no kernel keeps the row error of {:.2g} that was asked for; claimed are {}", asked, claims);
     return true;
 }
 
@@ -438,42 +440,23 @@ std::vector<std::vector<uint32_t>> patchesInOnePlace(const geometry::PatchMesh& 
     return groups;
 }
 
-void measureFormFactors(const geometry::PatchMesh& mesh, const gpu::Buffer& values,
+void measureFormFactors(gpu::Device& device, const geometry::PatchMesh& mesh, const gpu::Buffer& values,
                         FormFactorReport& report) {
     const size_t n = mesh.patchCount();
     if (n == 0) return;
-    const gpu::HostView<float> F(values, n * n);
     std::vector<double> area(n);
-    double total = 0;
-    for (size_t i = 0; i < n; ++i) total += area[i] = geometry::patchArea(mesh, i);
-    // In blocks, since one of the two walks down columns; sums in four, since each addition waits for the
-    // last.
-    constexpr size_t kBlock = 64;
-    std::vector<double> sums(n, 0.0), squares((n + kBlock - 1) / kBlock, 0.0);
-    inParallel(squares.size(), [&](size_t block) {
-        const size_t i0 = block * kBlock, i1 = std::min(n, i0 + kBlock);
-        for (size_t i = i0; i < i1; ++i) {
-            std::array<double, 4> part{};
-            for (size_t j = 0; j < n; ++j) part[j % 4] += double{F[i * n + j]};
-            sums[i] = part[0] + part[1] + part[2] + part[3];
-        }
-        std::array<double, 4> part{};
-        for (size_t j0 = i0; j0 < n; j0 += kBlock)
-            for (size_t i = i0; i < i1; ++i)
-                for (size_t j = std::max(j0, i + 1); j < std::min(n, j0 + kBlock); ++j) {
-                    const double d = area[i] * F[i * n + j] - area[j] * F[j * n + i];
-                    part[j % 4] += d * d;
-                }
-        squares[block] = part[0] + part[1] + part[2] + part[3];
-    });
-    measureClosure(sums, report);
-    claimExcess(sums, report);
-    claimDuplicates(mesh, {F.data(), n * n}, report);
-    claimWedges(mesh, {F.data(), n * n}, report);
-    claimCrossings(mesh, {F.data(), n * n}, report);
-    const double reciprocity = std::accumulate(squares.begin(), squares.end(), 0.0);
+    for (size_t i = 0; i < n; ++i) area[i] = geometry::patchArea(mesh, i);
+    const double total = std::accumulate(area.begin(), area.end(), 0.0);
+    const MatrixSums sums = sumsOfMatrix(device, values, area);
+    const MatrixOnHost F(values, n * n);
+    measureClosure(sums.rows, report);
+    claimExcess(sums.rows, report);
+    claimDuplicates(mesh, F, report);
+    claimWedges(mesh, F, report);
+    claimCrossings(mesh, F, report);
     const double pairs = 0.5 * static_cast<double>(n) * static_cast<double>(n - 1);
-    report.reciprocityRms = std::sqrt(reciprocity / std::max(pairs, 1.0)) / (total / static_cast<double>(n));
+    report.reciprocityRms =
+        std::sqrt(sums.reciprocitySquares / std::max(pairs, 1.0)) / (total / static_cast<double>(n));
 }
 
 std::span<const std::string_view> formFactorKernels() {
@@ -488,7 +471,7 @@ FormFactors computeFormFactors(gpu::Device& device, const geometry::PatchMesh& m
     FormFactors result = options.kernel == "auto" ? factorsOfAuto(device, mesh, options, choice)
                                                   : factorsOf(device, mesh, options, choice);
     double seconds = watch.seconds();
-    measure(mesh, choice.kernel, result);
+    measure(device, mesh, choice.kernel, result);
     if (options.kernel == "auto" && goOnWhereMissed(device, mesh, options, choice, result))
         seconds = watch.seconds();
     result.report.seconds = seconds;

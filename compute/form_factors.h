@@ -35,8 +35,8 @@ struct FormFactorOptions {
     // asked to be within e (1 - rho) / rho. What errors of one sign do (rows that do not close) is more.
     double maxRadiosityError = 0, reflectance = 0;
     // The matrix is for light that goes round, to which sums of rows matter more than entries: `auto` takes
-    // links, whose sums may be off by ten times the row error, for coarse errors only. Where no error is asked
-    // and visible polygons would take minutes, behind crowds of blockers, rays to a row error of 5e-3.
+    // links, whose sums may be off by ten times the row error, for coarse errors only. Where no error is
+    // asked and visible polygons would take minutes, behind crowds of blockers, rays to a row error of 5e-3.
     bool forLight = false;
     // Told how much of the work is done, by `exact` at more than about 2300 patches.
     std::function<void(double share)> progress;
@@ -85,7 +85,8 @@ std::vector<std::vector<uint32_t>> patchesInOnePlace(const geometry::PatchMesh& 
 
 // Fills in closure and reciprocity of a matrix; raises its claims where rows sum to more than one and where
 // patches lie in one place (patchesInOnePlace). About 15 ms for 2000 patches.
-void measureFormFactors(const geometry::PatchMesh& mesh, const gpu::Buffer& values, FormFactorReport& report);
+void measureFormFactors(gpu::Device& device, const geometry::PatchMesh& mesh, const gpu::Buffer& values,
+                        FormFactorReport& report);
 
 // Names that FormFactorOptions::kernel takes, without "auto".
 std::span<const std::string_view> formFactorKernels();

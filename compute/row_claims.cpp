@@ -86,7 +86,7 @@ void claimExcess(std::span<const double> rowSums, FormFactorReport& report) {
 
 // Which of faces in one place light meets is not defined: kernels give it to one, to each or in parts, so
 // that an entry may be off by all that they get together.
-void claimDuplicates(const geometry::PatchMesh& mesh, std::span<const float> F, FormFactorReport& report) {
+void claimDuplicates(const geometry::PatchMesh& mesh, const MatrixOnHost& F, FormFactorReport& report) {
     const size_t n = mesh.patchCount();
     const std::vector<std::vector<uint32_t>> groups = patchesInOnePlace(mesh);
     if (groups.empty()) return;
@@ -104,7 +104,7 @@ void claimDuplicates(const geometry::PatchMesh& mesh, std::span<const float> F, 
     report.claimedRowError = std::hypot(report.claimedRowError, std::sqrt(squares / static_cast<double>(n)));
 }
 
-void claimCrossings(const geometry::PatchMesh& mesh, std::span<const float> F, FormFactorReport& report) {
+void claimCrossings(const geometry::PatchMesh& mesh, const MatrixOnHost& F, FormFactorReport& report) {
     const size_t n = mesh.patchCount();
     std::map<std::pair<uint32_t, uint32_t>, double> covered; // m2
     for (const NarrowGaps::Overlap& overlap : crossedGaps(mesh, planeNumbers(mesh)))
@@ -129,7 +129,7 @@ void claimWhatRaysMiss(const geometry::PatchMesh& mesh, FormFactorReport& report
 }
 
 // What two faces lack that share an edge and open so little that float32 takes both planes for one: needles.
-void claimWedges(const geometry::PatchMesh& mesh, std::span<const float> F, FormFactorReport& report) {
+void claimWedges(const geometry::PatchMesh& mesh, const MatrixOnHost& F, FormFactorReport& report) {
     constexpr double kFlat = 5e-7, kNothing = 1e-12; // of the scene
     constexpr double kOpens = 0.99;                  // cosine between normals of what is no wall in pieces
     const size_t n = mesh.patchCount();

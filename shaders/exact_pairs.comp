@@ -20,7 +20,7 @@ layout(set = 0, binding = 9, scalar) readonly buffer Blocks { uint blocks[]; };
 layout(set = 0, binding = 10, scalar) readonly buffer Masks { uint masks[]; };
 layout(set = 0, binding = 11, scalar) writeonly buffer Records { ExactRecord records[]; };
 layout(set = 0, binding = 12, scalar) buffer Lists { uint lists[]; };
-layout(set = 0, binding = 13, scalar) writeonly buffer There { float there[]; }; // [row][column] of the tile
+layout(set = 0, binding = 13, scalar) writeonly buffer There { float there[]; }; // [row][column]
 layout(set = 0, binding = 14, scalar) writeonly buffer Back { float back[]; };   // [column][row]
 layout(set = 0, binding = 15, scalar) writeonly buffer FewRecords { ExactRecord fewRecords[]; };
 layout(push_constant, scalar) uniform Push { ExactPairsParams params; };
@@ -148,6 +148,7 @@ void addRecord(uint outer, uint inner, bool byLines) {
                 : listedCount == 1u && params.byLines == 0u ? kExactOneCount
                                                             : kExactTwoCount;
     bool fromEnd = kind == kExactManyCount || kind == kExactTwoCount;
+    if (kind == kExactManyCount && listedCount == 0u) atomicAdd(counters[kExactOpenManyCount], 1u);
     uint slot = atomicAdd(counters[kind], 1u), place = fromEnd ? params.recordCapacity - 1u - slot : slot;
     ExactRecord record = ExactRecord(outer, inner, firstListed, listedCount);
     if (slot >= params.recordCapacity) return;
@@ -180,8 +181,9 @@ void classify(uint i, uint j, uint block) {
     if (far && !partial) {
         float exchange = productRule(a.normal, b.normal);
         uint row = texelFetch(faceRange, int(i)).w, column = texelFetch(faceRange, int(j)).w;
-        there[row * params.columns + column] = exchange / a.area;
-        back[column * params.rows + row] = exchange / b.area;
+        ExactHalves h = params.halves;
+        there[h.firstThere + row * h.strideThere + column] = exchange / a.area;
+        back[h.firstBack + column * h.strideBack + row] = exchange / b.area;
         return;
     }
     if (!kClear && partial) iIsOuter = firstIsOuter(i, j, o, a.area, b.area);

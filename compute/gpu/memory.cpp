@@ -147,14 +147,14 @@ void Memory::free(const Allocation& allocation) {
     }
     block->free.emplace(start, end - start);
     if (end - start < block->size) return;
-    if (block->size == kBlockSize) { // of the common ones, the last stays for the next request
+    if (!keeps_ && block->size == kBlockSize) { // of the common ones, the last stays for the next request
         const auto common =
             std::count_if(pool.begin(), pool.end(), [](const Block& b) { return b.size == kBlockSize; });
         if (common > 1) drop(pool, block);
         return;
     }
-    if (!keeps_ || block->size > kKept) return drop(pool, block);
-    if (kept_ + block->size > kKept) dropKept();
+    if (!keeps_ || block->size > mostKept()) return drop(pool, block);
+    if (kept_ + block->size > mostKept()) dropKept();
     block->kept = true;
     kept_ += block->size;
 }
@@ -173,6 +173,10 @@ void Memory::dropKept() {
             block = next;
         }
     kept_ = 0;
+}
+
+VkDeviceSize Memory::mostKept() const {
+    return std::max(kLeastKept, largestHeap() / 8); // matrices of large scenes, which one heap holds a few of
 }
 
 size_t Memory::blockCount() const {

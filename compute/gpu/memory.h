@@ -25,7 +25,7 @@ struct Allocation {
 
 class Memory {
 public:
-    static constexpr VkDeviceSize kBlockSize = 64ull << 20, kKept = 1ull << 30;
+    static constexpr VkDeviceSize kBlockSize = 64ull << 20, kLeastKept = 1ull << 30;
 
     // `mapsOwn`: the host sees Place::device, too, where the device's memory is the host's.
     Memory(VkPhysicalDevice physical, VkDevice device, bool mapsOwn = true);
@@ -34,7 +34,8 @@ public:
     Memory& operator=(const Memory&) = delete;
 
     // Requests above half a block get a block of their own; on devices with memory of their own, where new
-    // ones cost milliseconds, up to kKept bytes of such blocks wait for the next request of their size.
+    // ones cost milliseconds, empty blocks wait for the next request of their size, up to mostKept() bytes of
+    // them in all.
     // Buffers and optimally tiled images never share a block, so bufferImageGranularity does not matter.
     // Throws Error when the device has no room.
     Allocation allocate(const VkMemoryRequirements& need, Place place, bool image);
@@ -51,13 +52,14 @@ public:
     VkDeviceSize bytesReserved() const { return reserved_; }
     VkDeviceSize peakBytesInUse() const { return peak_; }
     size_t blockCount() const;
+    VkDeviceSize mostKept() const;
 
 private:
     struct Block {
         VkDeviceMemory memory = VK_NULL_HANDLE;
         VkDeviceSize size = 0;
         char* mapped = nullptr;
-        bool kept = false;                         // of its own and empty
+        bool kept = false;                         // empty, and waits for the next request
         std::map<VkDeviceSize, VkDeviceSize> free; // offset -> size, neighbours merged
     };
     using Pool = std::list<Block>;

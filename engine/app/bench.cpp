@@ -245,7 +245,7 @@ private:
             clock.stop(wallSeconds, cpuSeconds);
             const double onClock = device.timedSeconds();
             const BenchClock measuring; // closure and reciprocity are not the kernel's work
-            compute::measureFormFactors(scene_->mesh, F.values, F.report);
+            compute::measureFormFactors(device, scene_->mesh, F.values, F.report);
             measuring.stop(measureWall, measureCpu);
             return Times{F.report.seconds, std::max(0.0, cpuSeconds - measureCpu), onClock};
         });
@@ -272,7 +272,7 @@ private:
         gpu::Buffer values(run_.device(), peer.factors.size() * sizeof(float), "peer", gpu::Place::host);
         values.upload(peer.factors);
         compute::FormFactorReport report;
-        compute::measureFormFactors(scene_->mesh, values, report);
+        compute::measureFormFactors(run_.device(), scene_->mesh, values, report);
         result.closureMax = report.closureMax;
         result.closureRms = report.closureRms;
         result.reciprocityRms = report.reciprocityRms.value();

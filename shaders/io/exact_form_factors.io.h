@@ -10,6 +10,7 @@ const uint kExactListed = 64u;              // blockers of one pair that one wal
 const float kExactOne = 1073741824.0f;      // a form factor of 1 in fixed point: sums do not depend on their order
 const float kExactFraction = 2147483648.0f; // and of what is left over of one of its units
 const uint kExactCarry = 2u;                // units that 2^32 of those are
+const uint kExactClaimWords = 6u;           // of a patch's row: two sums of squares of 96 bits
 const uint kExactCellWords = 7u;            // a cell of cubature: record, three corners in the plane of the outer piece
 const uint kExactFew = 2u; // so many blockers are quickly done, when no face has more corners than these
 const uint kExactFewCorners = 4u;
@@ -31,7 +32,8 @@ const uint kExactOneCount = 6u;     // pairs with one blocker, in records of the
 const uint kExactTwoCount = 7u;     // with two; filled from their end
 const uint kExactLineCount = 8u;    // far pairs of triangles with blockers, exact_lines.comp; where those with one were
 const uint kExactCutCount = 9u;     // invocations whose loops the device ended early, lib/loop_limit.glsl
-const uint kExactCounters = 10u;
+const uint kExactOpenManyCount = 10u; // of kExactManyCount, pairs that nothing can stand between
+const uint kExactCounters = 11u;
 
 // Faces come in this order: pieces, blockers, clusters. A cluster (uvec4) is: first piece, pieces, face of the
 // rectangle that holds them, 1 where it lies in one plane.
@@ -67,6 +69,14 @@ struct ExactBlocksParams {
     uint countB;
 };
 
+// Where F of two tiles' pieces stands, there and back: of the first entry, and from row to row.
+struct ExactHalves {
+    uint firstThere;
+    uint strideThere;
+    uint firstBack;
+    uint strideBack;
+};
+
 struct ExactPairsParams {
     uint pieceCount;
     uint words;
@@ -76,8 +86,7 @@ struct ExactPairsParams {
     uint firstA;
     uint firstB;
     uint countB;
-    uint rows; // of the tile in pieces: strides of its two halves
-    uint columns;
+    ExactHalves halves;
     uint recordCapacity;
     uint listCapacity;
     uint byLines;    // 1: far pairs with blockers go to exact_lines.comp, near ones with one to those with two
@@ -106,7 +115,7 @@ struct ExactLinesParams {
 struct ExactFinishParams {
     uint firstRecord;
     uint count;
-    uint rows; // strides of the tile's halves
-    uint columns;
+    uint mostExact; // blockers: records with more have the square of their error, see exact_cubature.glsl; ~0 for none
+    ExactHalves halves;
 };
 IO_END

@@ -100,7 +100,7 @@ uvec4 hiddenOf(Frame f, Origin o, vec3 point, uint listed, Chords c, vec4 chord,
         }
         [[unroll]] for (uint k = 0u; k < 4u; ++k) {
             vec3 k1 = cornerFrom(o, blocker.first + min(corner + k, blocker.count - 1u)) - point; // nor does a corner
-            vec3 n = sense * cross(k0, k1);
+            vec3 n = sense * acrossEdge(k0, k1);
             narrowBy(s, f, c, n, dot(n, toFrame));
             k0 = k1;
         }

@@ -1,6 +1,7 @@
 // Devices with memory of their own, which the host does not see: the same results, in bits, by copies.
 #include <cmath>
 #include <memory>
+#include <random>
 
 #include <gtest/gtest.h>
 
@@ -8,6 +9,7 @@
 #include "compute/form_factors.h"
 #include "compute/gpu/device.h"
 #include "compute/hierarchical.h"
+#include "compute/matrix_sums.h"
 #include "tests/compute/rooms.h"
 #include "tests/compute/skies.h"
 #include "tests/gpu/test_device.h"
@@ -88,6 +90,24 @@ TEST(DiscreteMemory, tiles_are_put_together_with_the_same_bits) {
         EXPECT_EQ(computeFormFactors(test::device(), *mesh, options).values.download<float>(n * n),
                   computeFormFactors(discrete(), *mesh, options).values.download<float>(n * n));
     }
+}
+
+// Of more rows than a group takes columns at once, none of them a multiple of it.
+TEST(DiscreteMemory, sums_of_a_matrix_are_those_of_the_host) {
+    constexpr size_t kPatches = 777;
+    std::mt19937 random(1);
+    std::uniform_real_distribution<float> unit(0, 1);
+    std::vector<float> F(kPatches * kPatches);
+    for (float& f : F) f = std::pow(unit(random), 20.0f);
+    std::vector<double> area(kPatches);
+    for (double& a : area) a = double{unit(random)};
+    const auto sums = [&](gpu::Device& device) {
+        return sumsOfMatrix(device, gpu::Buffer::from(device, F, "F"), area);
+    };
+    const MatrixSums here = sums(test::device()), there = sums(discrete());
+    for (size_t i = 0; i < kPatches; ++i) EXPECT_NEAR(there.rows[i], here.rows[i], 1e-10 * here.rows[i]) << i;
+    EXPECT_GT(here.reciprocitySquares, 1);
+    EXPECT_NEAR(there.reciprocitySquares, here.reciprocitySquares, 1e-5 * here.reciprocitySquares);
 }
 
 TEST(DiscreteMemory, light_of_a_room_is_the_same) {
