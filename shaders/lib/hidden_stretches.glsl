@@ -16,13 +16,6 @@ void narrow(inout Stretches s, vec4 a, vec4 b) {
     s.to = mix(mix(s.to, min(s.to, t), atB), s.to, atA);
 }
 
-// Across the plane through an edge and the eye; zero where both ends are one corner, as of faces with fewer than others:
-// a product fused with the sum would leave a rounding error, by whose sign the face hid everything or nothing.
-vec3 acrossEdge(vec3 k0, vec3 k1) {
-    precise vec3 n = k0.yzx * k1.zxy - k0.zxy * k1.yzx;
-    return n;
-}
-
 // Jittered by less than one bit, so that their mean is the stretch.
 uvec4 bitsOf(Stretches s, vec4 jitter) {
     uvec4 from = uvec4(clamp(s.from * 32.0 + jitter, 0.0, 32.0)), to = uvec4(clamp(s.to * 32.0 + jitter, 0.0, 32.0));

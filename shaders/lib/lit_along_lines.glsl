@@ -99,9 +99,10 @@ uvec4 hiddenOf(Frame f, Origin o, vec3 point, uint listed, Chords c, vec4 chord,
             narrowBy(s, f, c, sense * blocker.normal, sense * (dot(blocker.normal, toFrame) - height));
         }
         [[unroll]] for (uint k = 0u; k < 4u; ++k) {
-            vec3 k1 = cornerFrom(o, blocker.first + min(corner + k, blocker.count - 1u)) - point; // nor does a corner
-            vec3 n = sense * acrossEdge(k0, k1);
-            narrowBy(s, f, c, n, dot(n, toFrame));
+            vec3 k1 = cornerFrom(o, blocker.first + min(corner + k, blocker.count - 1u)) - point;
+            vec3 n = sense * cross(k0, k1);
+            // Not by a corner that stands again: see exact_lines.comp.
+            if (corner + k < blocker.count) narrowBy(s, f, c, n, dot(n, toFrame));
             k0 = k1;
         }
         corner += 4u;

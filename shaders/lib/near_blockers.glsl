@@ -54,7 +54,7 @@ void findNear(Frame f, Origin o, vec3 from[3]) {
         }
         [[unroll]] for (uint k = 0u; k < 4u; ++k) {
             vec3 k1 = cornerFrom(o, blocker.first + min(corner + k, blocker.count - 1u));
-            bool all = sense != 0.0 && k0 != k1;
+            bool all = sense != 0.0 && corner + k < blocker.count; // no corner that stands again: see exact_lines.comp
             [[unroll]] for (int p = 0; p < 3; ++p) {
                 vec3 n = sense * cross(k0 - from[p], k1 - from[p]);
                 float slack = kSurely * length(n);
