@@ -14,6 +14,7 @@
 #include "geometry/facet_merging.h"
 #include "geometry/outline_area.h"
 #include "geometry/perpendicular.h"
+#include "geometry/touching_outline.h"
 
 namespace heliodon::geometry {
 
@@ -88,8 +89,8 @@ bool repeatsCorner(const MeshDomain& domain) {
 
 class DomainFinder {
 public:
-    DomainFinder(const Building& building, double edge, bool merging)
-        : building_(building), edge_(edge), merging_(merging) {
+    DomainFinder(const Building& building, double edge, bool merging, bool careful)
+        : building_(building), edge_(edge), merging_(merging), careful_(careful) {
         for (const Face& face : building.faces) normals_.push_back(faceNormal(building, face));
     }
 
@@ -98,13 +99,13 @@ public:
         for (uint32_t f = 0; f < building_.faces.size(); ++f) {
             const Face& face = building_.faces[f];
             if (face.twin >= 0)
-                domains_.push_back(single(f));
+                addSingle(f);
             else
                 groups[{face.surface, face.material, face.role, face.room}].push_back(f);
         }
         for (const auto& [key, faces] : groups)
             if (faces.size() == 1)
-                domains_.push_back(single(faces[0]));
+                addSingle(faces[0]);
             else
                 addConnected(faces);
         dropStraightCorners();
@@ -117,14 +118,26 @@ public:
     }
 
 private:
-    MeshDomain single(uint32_t f) const {
+    MeshDomain domainOf(uint32_t f, FaceLoops loops) const {
         MeshDomain domain;
         domain.faces = {f};
         domain.frames = {frameOfFace(building_, building_.faces[f])};
-        domain.loops = building_.faces[f].loops;
+        domain.loops = std::move(loops);
         for (const auto& loop : domain.loops) domain.frameOf.emplace_back(loop.size(), 0u);
         return domain;
     }
+
+    void addSingle(uint32_t f) {
+        const Face& face = building_.faces[f];
+        const auto isWhole = [&](const FaceLoops& loops) { return keepsApart(domainOf(f, loops)); };
+        std::vector<FaceLoops> parts;
+        if (careful_ && face.twin < 0 && !isTriangle(face) && !isWhole(face.loops))
+            parts = partsOfTouching(building_, face, isWhole);
+        if (parts.empty()) parts = {face.loops};
+        for (FaceLoops& loops : parts) domains_.push_back(domainOf(f, std::move(loops)));
+    }
+
+    static bool isTriangle(const Face& face) { return face.loops.size() == 1 && face.loops[0].size() == 3; }
 
     void addConnected(const std::vector<uint32_t>& faces) {
         std::map<Edge, uint32_t> faceOf;
@@ -148,7 +161,7 @@ private:
         const auto level = [&](uint32_t f, uint32_t g) { return inOnePlane(f, g); };
         for (const auto& part : connected(members, faceOf, level))
             if (part.size() == 1 || !merge(part))
-                for (const uint32_t f : part) domains_.push_back(single(f));
+                for (const uint32_t f : part) addSingle(f);
     }
 
     // Parts of `members` that hang together by edges across which `joins` holds of both faces.
@@ -231,7 +244,7 @@ private:
         for (const Edge& edge : edges)
             if (edges.contains({edge.second, edge.first})) seams.insert(edge);
         BoundaryTracer(building_, domain).trace(seams);
-        if (repeatsCorner(domain)) return false;
+        if (repeatsCorner(domain) || (careful_ && !keepsApart(domain))) return false;
         domains_.push_back(std::move(domain));
         return true;
     }
@@ -274,6 +287,19 @@ private:
             places.emplace(vertices[k], points[k]);
         }
         return constrainedDelaunay(points, edges).has_value();
+    }
+
+    // Simple, and none of its outlines turns back on itself in a slit that rounding may close once it is
+    // sampled.
+    bool keepsApart(const MeshDomain& domain) const {
+        for (const auto& loop : planarLoops(domain))
+            for (size_t k = 0, n = loop.size(); k < n; ++k) {
+                const glm::dvec2 in = loop[(k + 1) % n] - loop[k], out = loop[(k + 2) % n] - loop[(k + 1) % n];
+                if (glm::dot(in, out) < 0 &&
+                    std::abs(cross(in, out)) < kStraightSine * glm::length(in) * glm::length(out))
+                    return false;
+            }
+        return isSimple(domain);
     }
 
     void layOut(uint32_t start, const std::map<Edge, uint32_t>& faceOf, std::set<uint32_t>& rest,
@@ -380,7 +406,7 @@ private:
 
     const Building& building_;
     double edge_;
-    bool merging_;
+    bool merging_, careful_;
     std::vector<glm::dvec3> normals_; // per face
     std::vector<MeshDomain> domains_;
 };
@@ -449,8 +475,8 @@ glm::dvec2 mainDirection(const MeshDomain& domain) {
     return best;
 }
 
-std::vector<MeshDomain> findMeshDomains(const Building& building, double edge, bool merging) {
-    return DomainFinder(building, edge, merging).find();
+std::vector<MeshDomain> findMeshDomains(const Building& building, double edge, bool merging, bool careful) {
+    return DomainFinder(building, edge, merging, careful).find();
 }
 
 std::pair<double, double> extentOf(const MeshDomain& domain) {

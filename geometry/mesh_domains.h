@@ -48,8 +48,10 @@ glm::dvec2 mainDirection(const MeshDomain& domain);
 // Corners in a straight line that no domain needs are left out of all of them, so that seams between faces of
 // one surface leave no trace. A face with a twin is a domain by itself.
 // `edge`: length that triangles will have, metres. `merging`: facets much narrower than it become wider ones
-// (facet_merging.h).
-std::vector<MeshDomain> findMeshDomains(const Building& building, double edge, bool merging = false);
+// (facet_merging.h). `careful`: faces whose outline touches itself, or turns back in a slit, are several
+// domains, for where these cannot be meshed as one.
+std::vector<MeshDomain> findMeshDomains(const Building& building, double edge, bool merging = false,
+                                        bool careful = false);
 
 // Along an unrolled wall.
 std::pair<double, double> extentOf(const MeshDomain& domain);

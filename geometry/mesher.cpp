@@ -11,7 +11,6 @@
 #include <limits>
 #include <map>
 #include <optional>
-#include <stdexcept>
 
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
@@ -68,12 +67,12 @@ double regularEdge(const Building& building, double count) {
 
 class BuildingMesher {
 public:
-    BuildingMesher(const Building& building, const MeshOptions& options)
+    BuildingMesher(const Building& building, const MeshOptions& options, bool careful)
         : building_(building), beforePart_(options.beforePart),
           wanted_(static_cast<double>(std::max<size_t>(options.triangles, 1))),
           narrowest_(options.mergesFacets ? kNarrowestOfMany : kNarrowest),
           regular_(regularEdge(building, wanted_)),
-          domains_(findMeshDomains(building, regular_, options.mergesFacets)),
+          domains_(findMeshDomains(building, regular_, options.mergesFacets, careful)),
           sampler_(building, domains_, slotSizes(building, domains_, regular_, wanted_),
                    boardRows(building, domains_, regular_, wanted_)) {
         for (const MeshDomain& domain : domains_) areas_.push_back(domainArea(domain));
@@ -174,17 +173,22 @@ private:
         return count;
     }
 
-    void triangulate(Draft& draft) const {
+    void triangulate(size_t d) {
+        Draft& draft = drafts_[d];
         if (draft.net || draft.grid) return;
         beforePart_();
         draft.net = draftMesh(draft.plane, draft.seeds);
+        if (!draft.net)
+            throw MeshError(domains_[d].faces[0],
+                            "the outline of a face crosses or touches itself and cannot be meshed");
     }
 
     // Triangulates what is left to; returns how many triangles there are.
     double finishDrafts() {
         double count = 0;
-        for (Draft& draft : drafts_) {
-            triangulate(draft);
+        for (size_t d = 0; d < drafts_.size(); ++d) {
+            triangulate(d);
+            const Draft& draft = drafts_[d];
             count += draft.grid ? draft.count : static_cast<double>(draft.net->corner.size());
         }
         return count;
@@ -193,9 +197,10 @@ private:
     // How many triangles refinement adds.
     double addedTriangles() {
         double added = 0;
-        for (Draft& draft : drafts_) {
+        for (size_t d = 0; d < drafts_.size(); ++d) {
+            const Draft& draft = drafts_[d];
             if (draft.plane.size.uniform() || draft.grid) continue;
-            triangulate(draft);
+            triangulate(d);
             added += 2 * static_cast<double>(draft.net->points.size() - draft.plane.boundary.size() -
                                              draft.seeds.points.size());
         }
@@ -426,7 +431,7 @@ private:
             const auto own = loopVertices(domains_[from].loops[l]);
             auto its = loopVertices(other);
             if (own.size() != its.size())
-                throw std::runtime_error("the two sides of an interior window differ");
+                throw MeshError(domains_[from].faces[0], "the two sides of an interior window differ");
             std::ranges::reverse(its);
             std::ranges::rotate(its, std::ranges::find(its, other[(*loops)[l].first]));
             for (size_t k = 0; k < own.size(); ++k) image[own[k]] = its[k];
@@ -507,6 +512,14 @@ private:
     std::vector<std::vector<uint32_t>> trianglesOf_; // per domain
 };
 
+PatchMesh meshOf(const Building& building, const MeshOptions& options) {
+    try {
+        return BuildingMesher(building, options, false).mesh();
+    } catch (const MeshError&) {
+        return BuildingMesher(building, options, true).mesh();
+    }
+}
+
 } // namespace
 
 double fittingFacet(double surface, const MeshOptions& options) {
@@ -515,7 +528,7 @@ double fittingFacet(double surface, const MeshOptions& options) {
 
 PatchMesh meshBuilding(const Building& building, const MeshOptions& options) {
     if (building.faces.empty()) return {};
-    PatchMesh mesh = BuildingMesher(building, options).mesh();
+    PatchMesh mesh = meshOf(building, options);
     mesh.outside = building.outside;
     return mesh;
 }

@@ -3,7 +3,10 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <functional>
+#include <stdexcept>
+#include <string>
 
 #include "geometry/building.h"
 #include "geometry/patch_mesh.h"
@@ -35,8 +38,14 @@ struct MeshQuality {
 // `surface`: of the rooms, square metres.
 double fittingFacet(double surface, const MeshOptions& options = {});
 
-// Throws std::runtime_error where the two sides of an interior window differ, or an outline crosses itself,
-// which no Building has.
+// Of a face that cannot be meshed: the two sides of an interior window differ, or its outline crosses itself,
+// which rounding alone may bring about.
+struct MeshError : std::runtime_error {
+    MeshError(uint32_t ofFace, const std::string& what) : std::runtime_error(what), face(ofFace) {}
+    uint32_t face; // of the building
+};
+
+// Throws MeshError.
 PatchMesh meshBuilding(const Building& building, const MeshOptions& options = {});
 MeshQuality measureMesh(const PatchMesh& mesh);
 

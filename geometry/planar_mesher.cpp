@@ -8,7 +8,6 @@
 #include <limits>
 #include <numbers>
 #include <optional>
-#include <stdexcept>
 
 #include <glm/geometric.hpp>
 
@@ -24,7 +23,7 @@ const double kSharpCosine = std::cos(kSharpCorner * std::numbers::pi / 180);
 constexpr int kSmoothings = 8;
 constexpr double kSmoothingStep = 0.6; // of the way
 
-PlanarNet triangulate(const PlanarDomain& domain, const LatticeSeeds& seeds) {
+std::optional<PlanarNet> triangulate(const PlanarDomain& domain, const LatticeSeeds& seeds) {
     PlanarNet net;
     net.points = domain.boundary;
     net.boundaryCount = static_cast<uint32_t>(domain.boundary.size());
@@ -38,8 +37,7 @@ PlanarNet triangulate(const PlanarDomain& domain, const LatticeSeeds& seeds) {
     auto inside = constrainedDelaunay(net.points, edges, seeds.foldEdges);
     if (!inside) // where triangles of a model lean across folds, these leave the outline
         inside = constrainedDelaunay(net.points, edges);
-    if (!inside)
-        throw std::runtime_error("the outline of a face crosses or touches itself and cannot be meshed");
+    if (!inside) return std::nullopt;
     static_cast<TriangleNet&>(net) = std::move(*inside);
     net.kinds.assign(net.boundaryCount, PlanarNet::Kind::border);
     for (size_t l = 0; l < domain.loopCount(); ++l)
@@ -173,9 +171,9 @@ void leaveFolds(PlanarNet& net) {
 
 } // namespace
 
-PlanarNet draftMesh(const PlanarDomain& domain, const LatticeSeeds& seeds) {
-    PlanarNet net = triangulate(domain, seeds);
-    Refiner(net, domain).refine();
+std::optional<PlanarNet> draftMesh(const PlanarDomain& domain, const LatticeSeeds& seeds) {
+    std::optional<PlanarNet> net = triangulate(domain, seeds);
+    if (net) Refiner(*net, domain).refine();
     return net;
 }
 

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include <glm/vec2.hpp>
@@ -20,9 +21,9 @@ struct PlanarMesh {
 };
 
 // Constrained Delaunay triangulation of boundary and seeds, with further points at circumcentres where
-// triangles are too large for the size wanted (Ruppert 1995, boundaries left alone). Throws
-// std::runtime_error when the boundary crosses or touches itself.
-PlanarNet draftMesh(const PlanarDomain& domain, const LatticeSeeds& seeds);
+// triangles are too large for the size wanted (Ruppert 1995, boundaries left alone). None
+// where the boundary crosses or touches itself.
+std::optional<PlanarNet> draftMesh(const PlanarDomain& domain, const LatticeSeeds& seeds);
 
 // Inner points move to the mean of the triangles round them, edges flip, and what still has a small angle is
 // optimised by itself, with at most `mostAdded` further points.

@@ -11,6 +11,7 @@
 #include "engine/app/blinds.h"
 #include "engine/app/interrupt.h"
 #include "engine/app/model_hints.h"
+#include "geometry/bounds.h"
 #include "geometry/counted.h"
 #include "geometry/input_error.h"
 #include "geometry/lower_case.h"
@@ -309,6 +310,25 @@ void warnOfFar(Run& run, const std::filesystem::path& file, const geometry::Rig&
                                         file.string(), device, away));
 }
 
+// By the face's material and where it lies, in metres of building: faces of the file may have been divided.
+geometry::PatchMesh meshOrRefuse(const SceneArguments& arguments, const geometry::Building& building,
+                                 const geometry::MeshOptions& options, double worldPerBuilding) {
+    try {
+        return geometry::meshBuilding(building, options);
+    } catch (const geometry::MeshError& error) {
+        const geometry::Face& face = building.faces[error.face];
+        std::vector<glm::dvec3> corners;
+        for (const uint32_t v : face.loops[0]) corners.push_back(building.vertices[v] / worldPerBuilding);
+        const geometry::Bounds box = geometry::boundsOf(corners);
+        const glm::dvec3 at = 0.5 * (box.low + box.high), size = box.high - box.low;
+        throw InputError(arguments.input.string(), "",
+                         fmt::format("{}: of \"{}\", {:.3g} m wide and {:.3g} m high, round x {:.2f}, "
+                                     "y {:.2f}, z {:.2f} m (y up)",
+                                     error.what(), building.materials[face.material].name,
+                                     std::hypot(size.x, size.z), size.y, at.x, at.y, at.z));
+    }
+}
+
 } // namespace
 
 geometry::Rig loadRig(Run& run, const std::filesystem::path& file) {
@@ -371,7 +391,8 @@ Scene makeScene(Run& run, const SceneArguments& arguments, std::optional<geometr
     }
     {
         const StageTimer timer(run, "model");
-        scene.mesh = geometry::meshBuilding(building, {wanted, throwIfInterrupted, !scene.sketch});
+        scene.mesh = meshOrRefuse(arguments, building, {wanted, throwIfInterrupted, !scene.sketch},
+                                  scene.worldPerBuilding);
         // Curved walls of many facets need many triangles; with few, coarser facets serve better.
         const bool mayCoarsen = curved && !arguments.chordError;
         while (mayCoarsen && closure.chordError < kCoarsestChord && tooManyFacets(scene.mesh, wanted)) {
@@ -382,7 +403,8 @@ Scene makeScene(Run& run, const SceneArguments& arguments, std::optional<geometr
             if (!coarser.building) break;
             building = std::move(*coarser.building);
             reportClosure(run, coarser.report);
-            scene.mesh = geometry::meshBuilding(building, {wanted, throwIfInterrupted});
+            scene.mesh =
+                meshOrRefuse(arguments, building, {wanted, throwIfInterrupted}, scene.worldPerBuilding);
         }
     }
     const geometry::PatchMesh own = geometry::ownTriangles(building);

@@ -69,7 +69,7 @@ TEST(PlanarMesher, small_angles_grow_within_the_points_allowed) {
         seeds.points, {}, [](glm::dvec2 p) { return glm::length(p - glm::dvec2(6, 6)); });
     seeds.points.push_back(middle + glm::dvec2(0.1, 0.3));
     seeds.points.push_back(middle + glm::dvec2(-0.2, 0.2));
-    const PlanarNet draft = draftMesh(domain, seeds);
+    const PlanarNet draft = *draftMesh(domain, seeds);
     const auto smallest = [](const PlanarNet& net) {
         double worst = 0;
         for (uint32_t t = 0; t < net.corner.size(); ++t) worst = std::max(worst, net.worstCosine(t));
@@ -105,7 +105,7 @@ TEST(PlanarMesher, triangles_lie_within_the_folds_of_a_wall) {
         for (size_t k = corners.size(); k-- > 0;) outline.emplace_back(corners[k], 6);
         for (int k = 6; k > 0; --k) outline.emplace_back(0, 6 * k / 7.0);
         domain.loopStart.push_back(static_cast<uint32_t>(outline.size()));
-        const PlanarMesh mesh = improvedMesh(draftMesh(domain, latticeSeeds(domain, 1)), domain, 10);
+        const PlanarMesh mesh = improvedMesh(*draftMesh(domain, latticeSeeds(domain, 1)), domain, 10);
         double area = 0;
         for (const auto& t : mesh.triangles) {
             const glm::dvec2 a = mesh.points[t[0]], b = mesh.points[t[1]], c = mesh.points[t[2]];
@@ -133,7 +133,7 @@ TEST(PlanarMesher, folds_go_by_turns_all_along_a_wall) {
     for (int k = kUp; --k > 0;) domain.boundary.emplace_back(0, kHeight * k / kUp);
     domain.loopStart.push_back(static_cast<uint32_t>(domain.boundary.size()));
     for (int k = 1; k < kFacets; ++k) domain.folds.push_back(k * kWidth);
-    const PlanarMesh mesh = improvedMesh(draftMesh(domain, latticeSeeds(domain, 1)), domain, 0);
+    const PlanarMesh mesh = improvedMesh(*draftMesh(domain, latticeSeeds(domain, 1)), domain, 0);
     for (const auto& t : mesh.triangles)
         EXPECT_LE(PlanarNet::worstCosine(mesh.points[t[0]], mesh.points[t[1]], mesh.points[t[2]]),
                   std::cos(35 * std::numbers::pi / 180));
@@ -148,7 +148,7 @@ TEST(PlanarMesher, triangles_at_sharp_corners_are_left_out_of_account) {
     for (int k = 12; k > 0; --k) domain.boundary.emplace_back(k, k * slope);
     domain.loopStart.push_back(static_cast<uint32_t>(domain.boundary.size()));
     domain.size = SizeField({}, 1, 1);
-    PlanarNet net = draftMesh(domain, latticeSeeds(domain, 1));
+    PlanarNet net = *draftMesh(domain, latticeSeeds(domain, 1));
     EXPECT_EQ(std::ranges::count(net.kinds, PlanarNet::Kind::sharp), 2); // 20 and 70 degrees
     raiseAngles(net, 1, 10);
     expectSound(net, 72 * slope);
