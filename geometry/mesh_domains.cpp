@@ -294,7 +294,8 @@ private:
     bool keepsApart(const MeshDomain& domain) const {
         for (const auto& loop : planarLoops(domain))
             for (size_t k = 0, n = loop.size(); k < n; ++k) {
-                const glm::dvec2 in = loop[(k + 1) % n] - loop[k], out = loop[(k + 2) % n] - loop[(k + 1) % n];
+                const glm::dvec2 in = loop[(k + 1) % n] - loop[k],
+                                 out = loop[(k + 2) % n] - loop[(k + 1) % n];
                 if (glm::dot(in, out) < 0 &&
                     std::abs(cross(in, out)) < kStraightSine * glm::length(in) * glm::length(out))
                     return false;

@@ -270,7 +270,7 @@ private:
             const bool shaped = std::ranges::any_of(round, [](int label) { return label >= 0 && label % 2; });
             if (!pinched || !shaped) continue;
             const Square square = squareOver(map.points[map.source(start)]);
-            if (square.walk > kMostWalk) continue;
+            if (square.walk > kMostWalk + 1) continue;
             const auto& [p, u, v, walk] = square;
             addLoop({p - u - v, p + u - v, p + u + v, p - u + v}, squareOfTag_,
                     static_cast<int>(squares_.size()));
@@ -288,7 +288,7 @@ private:
 
     // A wedge of a few hundredths of a radian touches anew wherever a square cuts it: those that walk along
     // it become rectangles, each eight times as long as the last, until the wedge is wide enough to stay
-    // open.
+    // open. Where the last crosses an outline beyond, one more square is laid.
     Square squareOver(glm::dvec2 p) const {
         Square square{p, {kTouchSquare, 0}, {0, kTouchSquare}, 0};
         for (const Square& other : squares_) {
@@ -299,7 +299,7 @@ private:
             };
             if (!reaches(other.u) || !reaches(other.v) || other.walk < square.walk) continue;
             square.walk = other.walk + 1;
-            if (square.walk <= kShortWalk || off == glm::dvec2(0)) continue;
+            if (square.walk <= kShortWalk || square.walk > kMostWalk || off == glm::dvec2(0)) continue;
             square.u = kTouchSquare * std::pow(8.0, square.walk - kShortWalk) * glm::normalize(off);
             square.v = kTouchSquare * glm::normalize(glm::dvec2(-off.y, off.x));
         }

@@ -317,12 +317,13 @@ TEST(ClosureFuzz, sketches_that_once_closed_but_could_not_be_meshed) {
 // faces were not flat (1601000201, 1911000154, 77002829); an outline that crossed itself (1606000067);
 // partitions and skylights that all but touch a corner, another one or a wall (77...);
 // crossings that round to one point (3338000381, 3843131179); a corner drawn out into another room
-// (1853032714); a room pinched to nothing between two corners of walls (1909687059).
+// (1853032714); a room pinched to nothing between two corners of walls (1909687059); the last square along a
+// wedge that crosses a wall beyond it (1434196534).
 TEST(ClosureFuzz, sketches_that_once_could_not_be_proven) {
     for (const unsigned seed :
-         {11000049u, 40000105u, 40000375u, 1601000201u, 1606000067u, 1911000154u, 77000409u,
-          77000732u, 77000900u, 77001260u, 77001422u,   77001674u,   77002829u,   77002880u,
-          77004238u, 77004650u, 77005292u, 3338000381u, 3843131179u, 1853032714u, 1909687059u}) {
+         {11000049u, 40000105u,   40000375u,   1601000201u, 1606000067u, 1911000154u, 77000409u, 77000732u,
+          77000900u, 77001260u,   77001422u,   77001674u,   77002829u,   77002880u,   77004238u, 77004650u,
+          77005292u, 3338000381u, 3843131179u, 1853032714u, 1909687059u, 1434196534u}) {
         SCOPED_TRACE(seed);
         const Closure closure = closeSketch(SketchMaker(seed).make());
         ASSERT_TRUE(closure.building) << closure.report.message;

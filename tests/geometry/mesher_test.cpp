@@ -429,13 +429,17 @@ TEST(Mesher, facets_of_one_arc_are_one_surface) {
 TEST(Mesher, outlines_that_touch_themselves_are_divided) {
     Building floor;
     floor.materials.resize(1);
-    floor.vertices = {{-1.4597, 0, 3.8331}, {-1.3776, 0, 3.4487}, {-1.5865, 0, 4.426}, {1.3279, 0, 5.0489},
+    floor.vertices = {{-1.4597, 0, 3.8331}, {-1.3776, 0, 3.4487}, {-1.5865, 0, 4.426},  {1.3279, 0, 5.0489},
                       {1.5476, 0, 3.9285},  {-1.3485, 0, 3.3125}, {-0.6421, 0, 3.6059}, {-0.7242, 0, 3.9903}};
     floor.faces.emplace_back().loops = {{0, 1, 2, 3, 4, 5, 1, 6, 7}};
     Building wall;
     wall.materials.resize(1);
-    wall.vertices = {{1.4959, 0.2523, -4.2817}, {1.4959, 2.7523, -4.2817}, {-3.14, 2.7523, -2.4085},
-                     {-3.14, 0.2523, -2.4085},  {0.7653, 0.2523, -3.9865}, {0.7653, 1.9267, -3.9865},
+    wall.vertices = {{1.4959, 0.2523, -4.2817},
+                     {1.4959, 2.7523, -4.2817},
+                     {-3.14, 2.7523, -2.4085},
+                     {-3.14, 0.2523, -2.4085},
+                     {0.7653, 0.2523, -3.9865},
+                     {0.7653, 1.9267, -3.9865},
                      {0.76530000000001097, 0.25230000867118052, -3.9864999999999728}};
     wall.faces.emplace_back().loops = {{2, 3, 1}};
     wall.faces.emplace_back().loops = {{3, 4, 5, 6, 0, 1}};
@@ -451,7 +455,8 @@ TEST(Mesher, outlines_that_touch_themselves_are_divided) {
 TEST(Mesher, an_outline_that_crosses_itself_is_refused_by_face) {
     Building building;
     building.materials.resize(1);
-    building.vertices = {{0, 0, 0}, {0, 0, 1}, {1, 0, 1}, {1, 0, 0}, {0, 1, 0}, {3, 1, 2}, {3, 1, 0}, {0, 1, 1}};
+    building.vertices = {{0, 0, 0}, {0, 0, 1}, {1, 0, 1}, {1, 0, 0},
+                         {0, 1, 0}, {3, 1, 2}, {3, 1, 0}, {0, 1, 1}};
     building.faces.emplace_back().loops = {{0, 1, 2, 3}};
     building.faces.emplace_back().loops = {{4, 5, 6, 7}};
     building.faces[1].surface = 1;
