@@ -36,6 +36,7 @@
 #include "geometry/shell_nesting.h"
 #include "geometry/small_rooms.h"
 #include "geometry/space_parts.h"
+#include "geometry/space_sheets.h"
 
 namespace heliodon::geometry {
 
@@ -511,6 +512,7 @@ double assumedWorldPerBuilding(std::span<const glm::dvec3> corners) {
 }
 
 Building importModel(const std::filesystem::path& file, UpAxis up, const ImportOptions& options) {
+    const SheetMemory memory;
     ModelImporter importer(file, up, options);
     const double step = importer.rounding();
     try {

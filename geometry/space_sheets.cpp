@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstring>
+#include <deque>
 #include <map>
 #include <optional>
 #include <set>
@@ -280,21 +282,81 @@ private:
     std::vector<Sheet> sheets_;
 };
 
+// What was made of the last few things.
+template<class Made> class Kept {
+public:
+    template<class Make> Made get(std::vector<double> key, Make make) {
+        for (const auto& [known, made] : last_)
+            if (known.size() == key.size() &&
+                std::memcmp(known.data(), key.data(), key.size() * sizeof(double)) == 0)
+                return made;
+        Made made = make();
+        if (last_.size() == kMost) last_.pop_front();
+        last_.emplace_back(std::move(key), made);
+        return made;
+    }
+
+private:
+    static constexpr size_t kMost = 3;
+    std::deque<std::pair<std::vector<double>, Made>> last_;
+};
+
+struct Memory {
+    Kept<std::vector<Sheet>> cut;
+    Kept<Building> welded;
+};
+
+thread_local std::optional<Memory> memory;
+
+double twinKeyOf(const SoupFace& face) { // what is welded with others beside its place
+    return face.twinKey;
+}
+
+double twinKeyOf(const Sheet&) {
+    return -1;
+}
+
+template<class Outlined> std::vector<double> keyOf(const std::vector<Outlined>& all, double tolerance) {
+    std::vector<double> key{tolerance};
+    for (const Outlined& one : all) {
+        key.insert(key.end(), {twinKeyOf(one), static_cast<double>(one.loops.size())});
+        for (const auto& loop : one.loops) {
+            key.push_back(static_cast<double>(loop.size()));
+            for (const dvec3& p : loop) key.insert(key.end(), {p.x, p.y, p.z});
+        }
+    }
+    return key;
+}
+
 } // namespace
 
+SheetMemory::SheetMemory() {
+    memory.emplace();
+}
+
+SheetMemory::~SheetMemory() {
+    memory.reset();
+}
+
 std::vector<Sheet> cutIntoSheets(const std::vector<SoupFace>& faces, double tolerance) {
-    return SheetCutter(faces, tolerance).cut();
+    const auto cut = [&] { return SheetCutter(faces, tolerance).cut(); };
+    if (!memory) return cut();
+    return memory->cut.get(keyOf(faces, tolerance), cut);
 }
 
 Building weldSheets(const std::vector<Sheet>& sheets, double tolerance) {
-    std::vector<SoupFace> soup;
-    for (size_t s = 0; s < sheets.size(); ++s) {
-        SoupFace face;
-        face.loops = sheets[s].loops;
-        face.surface = static_cast<uint32_t>(s);
-        soup.push_back(std::move(face));
-    }
-    return weldFaces(soup, 1, tolerance, true);
+    const auto weld = [&] {
+        std::vector<SoupFace> soup;
+        for (size_t s = 0; s < sheets.size(); ++s) {
+            SoupFace face;
+            face.loops = sheets[s].loops;
+            face.surface = static_cast<uint32_t>(s);
+            soup.push_back(std::move(face));
+        }
+        return weldFaces(soup, 1, tolerance, true);
+    };
+    if (!memory) return weld();
+    return memory->welded.get(keyOf(sheets, tolerance), weld);
 }
 
 } // namespace heliodon::geometry

@@ -24,4 +24,14 @@ std::vector<Sheet> cutIntoSheets(const std::vector<SoupFace>& faces, double tole
 // Sheets by common corners; Face::surface: which sheet.
 Building weldSheets(const std::vector<Sheet>& sheets, double tolerance);
 
+// While one lives, what the thread cut and welded last is kept: where every attempt at a model is refused, its
+// faces are asked for again and again. The same faces, to the bit, give the same sheets.
+class SheetMemory {
+public:
+    SheetMemory();
+    ~SheetMemory();
+    SheetMemory(const SheetMemory&) = delete;
+    SheetMemory& operator=(const SheetMemory&) = delete;
+};
+
 } // namespace heliodon::geometry

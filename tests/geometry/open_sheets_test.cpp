@@ -1,6 +1,7 @@
 // Sheets beside a room: outside, or what is left of a room.
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <map>
 #include <optional>
 #include <random>
@@ -11,6 +12,7 @@
 #include <gtest/gtest.h>
 
 #include "geometry/input_error.h"
+#include "geometry/space_sheets.h"
 #include "tests/geometry/sheet_drawing.h"
 
 namespace heliodon::geometry {
@@ -480,6 +482,24 @@ TEST(OpenSheets, high_and_low_rooms_are_no_measure) {
          {std::tuple(o, x, z), std::tuple(o, x, y), std::tuple(o, z, y), std::tuple(o + x, z, y)})
         house.sheet(at, u, v);
     EXPECT_EQ(house.read().roomCount, 2u);
+}
+
+// Asked again for the same and for faces moved by the least bit, it answers as without a memory.
+TEST(SheetMemory, keeps_sheets_of_the_same_faces_alone) {
+    std::vector<SoupFace> faces(2);
+    faces[0].loops = {{{0, 0, 0}, {0, 0, 4}, {4, 0, 4}, {4, 0, 0}}};
+    faces[1].loops = {{{1, 0, 1}, {1, 1, 1}, {3, 1, 1}, {3, 0, 1}}};
+    std::vector<SoupFace> moved = faces;
+    moved[1].loops[0][2].y = std::nextafter(1.0, 2.0);
+    const SheetMemory memory;
+    for (int round = 0; round < 2; ++round)
+        for (const auto* given : {&faces, &moved}) {
+            const std::vector<Sheet> sheets = cutIntoSheets(*given, 1e-6);
+            double highest = 0;
+            for (const Sheet& sheet : sheets)
+                for (const glm::dvec3& p : sheet.loops[0]) highest = std::max(highest, p.y);
+            EXPECT_EQ(highest, (*given)[1].loops[0][2].y);
+        }
 }
 
 } // namespace heliodon::geometry
