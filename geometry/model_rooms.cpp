@@ -194,6 +194,13 @@ private:
         building_.repairs = std::get<0>(before).repairs;
         building_.repairs.insert(building_.repairs.end(), space->repairs.begin(), space->repairs.end());
         building_.warnings = space->warnings;
+        if (!space->unseen.empty())
+            building_.warnings.push_back(fmt::format(
+                "{} (the first at {}) on a wall without thickness {} away from the room and {} most of it: "
+                "not seen in the room, taken as its outside (a poster has to look into the room)",
+                counted(space->unseen.size(), "face"), model_.place(space->unseen[0]),
+                space->unseen.size() == 1 ? "is turned" : "are turned",
+                space->unseen.size() == 1 ? "covers" : "cover"));
         finish();
         try {
             proveOpened();

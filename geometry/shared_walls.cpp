@@ -18,6 +18,10 @@ namespace heliodon::geometry {
 
 namespace {
 
+// Of a wall without thickness: where faces that are turned over cover so much, they are its outside; but of
+// an outside that is all there they cover so much.
+constexpr double kOutside = 0.5, kWholeOutside = 0.95;
+
 // Those that hang together with an edge of one alone: others enclose something, as neighbours that overlap.
 std::vector<SoupFace> openAmong(const std::vector<SoupFace>& sheets, double tolerance) {
     const Building welded = weldedByNumber(sheets, tolerance);
@@ -75,6 +79,7 @@ public:
             if (space_.drawn[k].sheets > 1) meeting.insert(k);
         out.repairs = repairs(shared, meeting.size());
         out.warnings = rooms_.warnings;
+        out.unseen.assign(unseen_.begin(), unseen_.end());
         out.outside = weldFaces(outside, 1, tolerance_);
         out.sheets = openAmong(out.sheets, tolerance_);
         if (unclear_ || (out.repairs.empty() && out.warnings.empty())) return std::nullopt;
@@ -85,7 +90,7 @@ private:
     // Of the faces drawn on a sheet, the one for the side: that which is turned as those about it, and of
     // several such its own, and the smaller one (drawn on the other). Where nothing is behind the sheet a
     // smaller one that is turned over is drawn on the other, too, unless its like cover half of that: those
-    // are the wall as seen from outside.
+    // are the wall as seen from outside. A solid behind has an outside of its own.
     uint32_t drawnFor(uint32_t f, uint32_t side) {
         const Sheet& sheet = space_.sheetOf(f);
         const uint32_t id = space_.partAt(f, side);
@@ -106,14 +111,18 @@ private:
             return faces_[k].material != faces_[other].material || faces_[k].role != faces_[other].role;
         };
         const uint32_t best = *std::ranges::min_element(list, {}, rank);
-        if (!rooms_.room.contains(beyond) && behind.volume <= 0 && !turned.empty()) {
+        if (!rooms_.room.contains(beyond) && !turned.empty()) {
             const uint32_t over = *std::ranges::min_element(turned, {}, rank);
             const DrawnFace& face = space_.drawn[best];
-            if (!rivals(best, over) && rivals(over, best) && face.backed < 0.5 * face.area) {
+            const bool isDrawnOn = !rivals(best, over) && rivals(over, best);
+            if (isDrawnOn &&
+                (behind.volume > 0 ? looksOther(over, best) : face.backed < kOutside * face.area)) {
                 if (looksOther(over, best)) covered_.insert(f);
                 for (const uint32_t k : turned) unclear_ |= rivals(k, over) && looksOther(k, over);
                 return over;
             }
+            if (isDrawnOn && face.backed < kWholeOutside * face.area && looksOther(over, best))
+                unseen_.insert(faces_[over].surface);
         }
         for (const uint32_t k : list) {
             if (!looksOther(k, best) || rank(k).first != rank(best).first) continue;
@@ -173,6 +182,7 @@ private:
     const SpaceParts& space_;
     const RoomParts& rooms_;
     std::set<uint32_t> covered_; // sheets of different materials of which the smaller is seen
+    std::set<uint32_t> unseen_;  // given faces, as SharedWalls has them
     bool unclear_ = false;       // two materials in one place
 };
 

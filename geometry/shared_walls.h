@@ -21,6 +21,9 @@ struct SharedWalls {
     // seen.
     std::vector<std::string> repairs;
     std::vector<std::string> warnings; // on what is solid and what is a room; empty when there is no doubt
+    // Given faces (`surface`) of a material of their own that are turned away from a room on a wall without
+    // thickness of which they cover most: taken as its outside, and as well a poster.
+    std::vector<uint32_t> unseen;
     std::vector<std::array<uint32_t, 2>> pairs; // given faces (`surface`) that lie on one another
     std::vector<SoupFace>
         outer; // opaque, seen from outside of all rooms alone, as the outsides of thick walls
@@ -31,9 +34,9 @@ struct SharedWalls {
 // Faces may look either way, overlap in their planes, end on one another (a wall drawn once) and be given
 // twice; edges must meet within `tolerance` (metres). Where faces lie on one another, each room gets the
 // material of the one that is turned as the rest of its own faces are, of several such the smallest of those
-// that bound that room (a rug on the floor). Where nothing is behind, a smaller one that is turned over is
-// seen as well, unless such cover half of the face or more: they are the wall's outer side. What that rule
-// chose between materials is a repair.
+// that bound that room (a rug on the floor). Where no room is behind, a smaller one that is turned over is
+// seen as well, unless nothing is behind and such cover half of the face or more: they are the wall's outer
+// side. What that rule chose between materials is a repair.
 // Solid is what was drawn into a room without regard to it (its floor or walls run on behind it) and stands
 // clear of its walls, unless it is not thin and its faces look into it as those of the room do; what is small
 // or thin and has faces that look out of it into such a room; a closed shell that touches nothing; what has

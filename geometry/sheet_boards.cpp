@@ -135,7 +135,7 @@ private:
                                 [&](uint32_t f) { return glm::dot(normalOf(f), n) < kOnePlaneCosine; }))
             return {half, half};
         for (const double side : {1.0, -1.0}) {
-            double most = 0;
+            double least = near_, most = 0;
             bool all = true;
             for (const uint32_t f : members) {
                 dvec3 middle(0);
@@ -145,10 +145,11 @@ private:
                     const dvec3 p = glm::mix(welded_.vertices[v], middle, 1e-3);
                     const double far = walls_.nearest(p, side * n, near_);
                     all &= far <= near_;
-                    most = std::max(most, far);
+                    least = std::min(least, far), most = std::max(most, far);
                 }
             }
-            if (all) return side > 0 ? std::pair(most + thickness_, 0.0) : std::pair(0.0, most + thickness_);
+            const double back = most - least > tolerance_ ? most + thickness_ : most; // leaning ones into it
+            if (all) return side > 0 ? std::pair(back, 0.0) : std::pair(0.0, back);
         }
         return {half, half};
     }

@@ -45,7 +45,9 @@ public:
         const BoxTree tree(boxes_);
         for (const FlatFace& sheet : sheets_) {
             if (std::ranges::any_of(sheet.triangles,
-                                    [&](const auto& t) { return isWithin(shell_, t, tolerance_); }))
+                                    [&](const auto& t) { return isWithin(shell_, t, tolerance_); }) ||
+                tree.anyHolding(sheet.box.high + tolerance_, sheet.box.low - tolerance_,
+                                [&](uint32_t i) { return isRightBefore(sheet, rooms_[i]); }))
                 return SheetFault{sheet.surface,
                                   "lies in a room, a sheet without thickness that encloses nothing"};
             if (tree.anyHolding(sheet.box.high + tolerance_, sheet.box.low - tolerance_,
@@ -83,6 +85,13 @@ private:
 
     bool meet(const FlatFace& sheet, const FlatFace& wall) const {
         return facesCross(sheet, wall, tolerance_) || (wall.isGlass && covers(sheet, wall));
+    }
+
+    // Nearer than any point of it could be told to lie in the room.
+    bool isRightBefore(const FlatFace& sheet, const FlatFace& wall) const {
+        return std::ranges::all_of(sheet.loops[0], [&](dvec3 p) { return wall.height(p) >= 0; }) &&
+               std::ranges::any_of(sheet.loops[0], [&](dvec3 p) { return wall.height(p) > 0; }) &&
+               covers(sheet, wall);
     }
 
     // In the plane of the pane and, more than by its border, over it.

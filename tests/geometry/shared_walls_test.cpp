@@ -422,6 +422,36 @@ TEST(SharedWalls, rugs_and_pictures_are_seen_whichever_way_they_look) {
     EXPECT_THROW(imported(hall({rug, beside})), InputError);
 }
 
+TEST(SharedWalls, what_covers_most_of_a_wall_and_looks_away_is_told_where_nothing_is_behind) {
+    const auto picture = [](double left, bool away) {
+        Model out;
+        rectangle(out, {left, 0.2, 0}, {9 - left, 0, 0}, {0, 2.6, 0}, "B");
+        if (away) reverse(out);
+        return out;
+    };
+    EXPECT_NEAR(areaOf(imported(hall({picture(1, false)})), "B"), 8 * 2.6, 1e-6);
+    const Building away = imported(hall({picture(1, true)}));
+    EXPECT_NEAR(areaOf(away, "B"), 0, 1e-6);
+    expectWarning(away, "not seen in the room, taken as its outside");
+
+    Model walls; // walls with a thickness, which have an outside of their own
+    const double t = 0.3;
+    for (const auto& [low, high] :
+         {std::pair(dvec3(-t, 0, -t), dvec3(10 + t, 3, 0)), {{-t, 0, 8}, {10 + t, 3, 8 + t}},
+          {{-t, 0, 0}, {0, 3, 8}}, {{10, 0, 0}, {10 + t, 3, 8}}, {{-t, -t, -t}, {10 + t, 0, 8 + t}},
+          {{-t, 3, -t}, {10 + t, 3 + t, 8 + t}}}) {
+        const Model wall = part(low, high, "", true);
+        walls.insert(walls.end(), wall.begin(), wall.end());
+    }
+    for (const double left : {1.0, 6.0}) {
+        Model model = walls;
+        model.push_back({picture(left, true)[0].corners, "A"});
+        const Building building = imported(model);
+        expectVolumes(building, {240});
+        EXPECT_NEAR(areaOf(building, "A"), (9 - left) * 2.6, 1e-6); // walls are of "B"
+    }
+}
+
 TEST(SharedWalls, nothing_is_seen_of_a_sheet_within_a_wall) {
     const double t = 0.2; // of walls round the room, between one floor and one ceiling
     const dvec3 up(0, 2.4, 0), x(3, 0, 0), y(0, 0.8, 0), z(0, 0, t);

@@ -122,6 +122,22 @@ TEST(SheetBoards, posters_and_rugs_lie_on_what_is_behind) {
     EXPECT_NEAR(area.at("wall"), 85 - 2.4 - 0.48 - 3, 1e-3);
 }
 
+// However near: none runs into the wall or is taken to stand outside.
+TEST(SheetBoards, decals_a_hair_before_a_wall_draw_no_other_warnings) {
+    for (const double gap : {5e-5, 2e-4, 1e-3, 3e-3}) {
+        Drawing drawing(false);
+        drawing.room(0, -1, true);
+        drawing.face("paint", {{4 - gap, 1, 1}, {4 - gap, 1, 2}, {4 - gap, 1.6, 2}, {4 - gap, 1.6, 1}});
+        const Building building = drawing.read();
+        const PatchMesh mesh = meshBuilding(building, {300});
+        EXPECT_NEAR(volume(mesh), 50 - 0.6 * gap, 1e-6) << gap;
+        for (const std::string& warning : building.warnings)
+            EXPECT_TRUE(warning.find("taken as boards") < warning.npos ||
+                        warning.find("cut out of the room where it stands") < warning.npos)
+                << gap << warning;
+    }
+}
+
 TEST(SheetBoards, each_side_has_its_material) {
     Drawing drawing(false);
     drawing.room(0, -1, true);
