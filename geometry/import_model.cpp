@@ -13,6 +13,7 @@
 #include "geometry/bounds.h"
 #include "geometry/counted.h"
 #include "geometry/crossing_solids.h"
+#include "geometry/dark_rooms.h"
 #include "geometry/doubled_faces.h"
 #include "geometry/doubled_glass.h"
 #include "geometry/drawn_rooms.h"
@@ -315,7 +316,17 @@ private:
             judge(sheets, solidsAmong(faces.soup, *out), false, *out);
         }
         leaveOutSmallRooms(*out);
+        warnOfDarkRooms(*out);
         return std::move(*out);
+    }
+
+    void warnOfDarkRooms(ModelRooms& rooms) const {
+        const auto drawn = [&](uint32_t f) { return areaVector(model_.vertices, model_.face(f)); };
+        const std::vector<DoubtfulRoom> dark =
+            doubtfulRooms(rooms, isGlass_, drawn, worldPerBuilding(model_.vertices));
+        if (!dark.empty())
+            rooms.building.warnings.push_back(
+                geometry::warningOf(dark, [&](uint32_t f) { return model_.place(f); }));
     }
 
     void leaveOutSmallRooms(ModelRooms& rooms) const {

@@ -436,10 +436,12 @@ TEST(SharedWalls, what_covers_most_of_a_wall_and_looks_away_is_told_where_nothin
 
     Model walls; // walls with a thickness, which have an outside of their own
     const double t = 0.3;
-    for (const auto& [low, high] :
-         {std::pair(dvec3(-t, 0, -t), dvec3(10 + t, 3, 0)), {{-t, 0, 8}, {10 + t, 3, 8 + t}},
-          {{-t, 0, 0}, {0, 3, 8}}, {{10, 0, 0}, {10 + t, 3, 8}}, {{-t, -t, -t}, {10 + t, 0, 8 + t}},
-          {{-t, 3, -t}, {10 + t, 3 + t, 8 + t}}}) {
+    for (const auto& [low, high] : {std::pair(dvec3(-t, 0, -t), dvec3(10 + t, 3, 0)),
+                                    {{-t, 0, 8}, {10 + t, 3, 8 + t}},
+                                    {{-t, 0, 0}, {0, 3, 8}},
+                                    {{10, 0, 0}, {10 + t, 3, 8}},
+                                    {{-t, -t, -t}, {10 + t, 0, 8 + t}},
+                                    {{-t, 3, -t}, {10 + t, 3 + t, 8 + t}}}) {
         const Model wall = part(low, high, "", true);
         walls.insert(walls.end(), wall.begin(), wall.end());
     }
