@@ -45,6 +45,36 @@ std::vector<std::vector<uint32_t>> openBorders(const Building& building,
     return out;
 }
 
+// Of what hangs together, whether what closes its open borders would be as large as all of it: a facade, two
+// walls. Pieces that do not meet have such borders, too, and gaps between them.
+bool isMostlyOpen(const Building& building, const std::map<Edge, std::vector<uint32_t>>& edges) {
+    constexpr double kAsLarge = 0.9;
+    DisjointSets corners(building.vertices.size());
+    std::vector<Edge> open;
+    for (const auto& [edge, faces] : edges)
+        if (faces.size() == 1) {
+            corners.join(edge.first, edge.second);
+            open.push_back(edge);
+        }
+    std::map<uint32_t, std::pair<glm::dvec3, double>> sums; // per border, of its edges' ends, and how many
+    for (const auto& [a, b] : open) {
+        auto& [sum, count] = sums[corners.root(a)];
+        sum += building.vertices[a] + building.vertices[b], count += 2;
+    }
+    double closing = 0, drawn = 0; // twice the areas
+    for (const auto& [a, b] : open) {
+        const auto& [sum, count] = sums.at(corners.root(a));
+        const glm::dvec3 middle = sum / count;
+        closing += glm::length(glm::cross(building.vertices[a] - middle, building.vertices[b] - middle));
+    }
+    for (const Face& face : building.faces) {
+        glm::dvec3 area(0);
+        for (const auto& loop : face.loops) area += areaVector(building.vertices, loop);
+        drawn += glm::length(area);
+    }
+    return closing >= kAsLarge * drawn;
+}
+
 // Faces along the first open border. Where other parts of the model are closed, all such faces: it is not a
 // hole in these that is meant.
 ShellFaces openFaces(const Building& building, const std::map<Edge, std::vector<uint32_t>>& edges) {
@@ -67,6 +97,10 @@ ShellFaces openFaces(const Building& building, const std::map<Edge, std::vector<
         return building.faces[f].surface == building.faces[*open.begin()].surface;
     };
     const bool isHole = !std::ranges::all_of(open, isOfFirst);
+    if (isHole && allParts.size() == 1 && isMostlyOpen(building, edges))
+        return refused({open.begin(), open.end()},
+                       "encloses no room: these faces are open sheets, as of a facade alone, and what would "
+                       "close them (floor, ceiling, other walls) is as large as all that is drawn");
     if (isHole) what += ": close the hole, or draw its door or glass";
     ShellFaces out = refused(borders[0], std::move(what));
     if (!isHole) return out;

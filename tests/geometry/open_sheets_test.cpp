@@ -277,6 +277,30 @@ TEST(OpenSheets, a_window_behind_an_outer_skin_without_holes_is_told) {
 }
 
 // With a window or without, apart or behind a common wall, over the ground or not.
+// What closes a hole is not what they lack.
+TEST(OpenSheets, a_facade_alone_encloses_no_room) {
+    const auto refusal = [](const std::string& without) {
+        Drawing drawing(false);
+        const auto sides = Drawing::sidesOf({0, 0, 0}, {4, 2.5, 5});
+        for (size_t k = 0; k < 6; ++k) // floor, ceiling, left, right, back, front
+            if (without.find("fclrbw"[k]) == without.npos) {
+                const auto [at, u, v] = sides[k];
+                drawing.sheet(at, u, 0.5 * v), drawing.sheet(at + 0.5 * v, u, 0.5 * v);
+            }
+        try {
+            drawing.read();
+        } catch (const InputError& error) {
+            return std::string(error.what());
+        }
+        return std::string();
+    };
+    for (const std::string without : {"fclrb", "fclb", "fcrb"})
+        EXPECT_NE(refusal(without).find("encloses no room"), std::string::npos)
+            << without << refusal(without);
+    for (const std::string without : {"c", "f", "cl", "w"})
+        EXPECT_NE(refusal(without).find("close the hole"), std::string::npos) << without << refusal(without);
+}
+
 TEST(OpenSheets, a_room_without_one_of_its_walls_is_no_sheet) {
     for (int without = 0; without < 6; ++without)
         for (const double left : {4.0, 6.0})
