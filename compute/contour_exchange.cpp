@@ -25,7 +25,8 @@ using Polygon = std::vector<dvec3>;
 
 constexpr double kStep = 1.0 / 16;        // of the double exponential rule: 1e-9 of needles of 1 : 10000
 constexpr double kLeastWeight = 1e-19;    // points beyond add nothing
-constexpr double kRounding = 4e-16;       // of distances: corners so near to a plane lie in it
+constexpr double kRounding = 4e-16;       // of distances: corners so near to a plane lie in it,
+constexpr double kOfPlaces = 1e-14;       // and of coordinates, which round planes through a few of them
 constexpr double kParallelSquare = 1e-12; // of the sine: lines that pass each other nowhere
 constexpr double kRightAngle = 1e-15;     // of the cosine: edges that exchange nothing
 
@@ -91,19 +92,23 @@ double overEdges(const Edge& a, const Edge& b) {
     return cosine * sum;
 }
 
-// What lies before the other's plane.
+// What lies before the other's plane; nothing of what lies in it, as both sides of a face do, and faces of
+// furniture pushed together.
 Polygon before(std::span<const dvec3> other, std::span<const dvec3> polygon) {
     const dvec3 area = geometry::areaVector(other), normal = area / glm::length(area);
-    double farthest = 0;
-    for (const dvec3& p : polygon) farthest = std::max(farthest, glm::distance(p, other[0]));
+    double farthest = 0, places = 0;
+    for (const dvec3& p : polygon) {
+        farthest = std::max(farthest, glm::distance(p, other[0]));
+        for (int axis = 0; axis < 3; ++axis) places = std::max(places, std::abs(p[axis]));
+    }
+    const double rounding = std::max(kRounding * farthest, kOfPlaces * places);
+    const auto heightOf = [&](const dvec3& p) {
+        const double height = dot(p - other[0], normal);
+        return std::abs(height) <= rounding ? 0 : height;
+    };
     Polygon result;
-    geometry::clip<dvec3>(
-        polygon,
-        [&](const dvec3& p) {
-            const double height = dot(p - other[0], normal);
-            return std::abs(height) <= kRounding * farthest ? 0 : height;
-        },
-        result);
+    if (std::ranges::any_of(polygon, [&](const dvec3& p) { return heightOf(p) > 0; }))
+        geometry::clip<dvec3>(polygon, heightOf, result);
     return result;
 }
 

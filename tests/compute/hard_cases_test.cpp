@@ -279,6 +279,38 @@ TEST(HardCases, boxes_that_float_or_sink_by_ten_micrometres_hide_the_floor_benea
     }
 }
 
+// 0.4 + 3 x 0.8 is not 1.2 + 2 x 0.8 in double precision: of such faces nothing lies before the other.
+TEST(HardCases, furniture_pushed_together_exchanges_nothing_between_its_faces) {
+    for (const double turn : {0.0, 0.3}) {
+        Polygons polygons = box({0, 0, 0}, {4, 2.7, 3}, true);
+        for (int k = 0; k < 4; ++k) {
+            const double left = 0.4 + 0.8 * k, right = 1.2 + 0.8 * k;
+            const Polygons cupboard =
+                box({left, 0.3, 2.2}, {right - left, 0.9 + 0.2 * (k % 2), 0.6}, false);
+            for (Polygon face : cupboard) {
+                for (glm::dvec3& p : face) // its own right side, not left + size
+                    if (std::abs(p.x - right) < 1e-9) p.x = right;
+                polygons.push_back(std::move(face));
+            }
+        }
+        for (Polygon& face : polygons)
+            for (glm::dvec3& p : face)
+                p = {std::cos(turn) * p.x + std::sin(turn) * p.z, p.y,
+                     std::cos(turn) * p.z - std::sin(turn) * p.x};
+        const geometry::PatchMesh mesh = test::meshOf(polygons);
+        const size_t n = mesh.patchCount();
+        for (Judged judged : judgedKernels()) {
+            judged.options.maxError = 1e-2;
+            const std::vector<float> F = matrixOf(mesh, judged.options);
+            for (size_t k = 0; k < 3; ++k) {
+                const size_t right = 6 + 6 * k + 5, left = 6 + 6 * (k + 1) + 4;
+                EXPECT_LT(F[right * n + left], 1e-6) << judged.kernel << " " << turn << " " << k;
+                EXPECT_LT(F[left * n + right], 1e-6) << judged.kernel << " " << turn << " " << k;
+            }
+        }
+    }
+}
+
 // Error of the rows of hemicubes, RMS over rows of the L2 distance from `truth`, over what they claim.
 double hemicubeErrorOverClaim(const Polygons& polygons, const std::vector<double>& truth) {
     const geometry::PatchMesh mesh = test::meshOf(polygons);
