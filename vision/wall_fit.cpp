@@ -152,8 +152,9 @@ geometry::WindowKind kindOf(Paint paint) {
                                      : WindowKind::transom;
 }
 
-// Where a wall ends that has a marker over the last of its paint: at most its unpainted end further. The
-// white end's own edge is looked for; without it the middle of what is possible is taken.
+// Where a wall ends that has a marker over the last of its paint: its unpainted end further at most, and what
+// paint is too narrow to be seen beyond the marker. The white end's own edge is looked for; without it the
+// middle of what is possible is taken.
 double endBeyondMarker(const Axis& axis, double s, int sign, const PlanView& view, double height,
                        double unpainted) {
     EdgeProbe probe;
@@ -165,7 +166,7 @@ double endBeyondMarker(const Axis& axis, double s, int sign, const PlanView& vie
     probe.inside = 0.35 * unpainted;
     probe.outside = unpainted;
     const auto edge = findEdge(view, probe);
-    const bool found = edge && *edge > -0.35 * unpainted && *edge < 0.5 * unpainted;
+    const bool found = edge && *edge > -0.35 * unpainted && *edge < 0.8 * unpainted;
     return s + sign * (0.5 * unpainted + (found ? *edge : 0));
 }
 

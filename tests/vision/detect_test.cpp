@@ -180,6 +180,23 @@ TEST(Detect, ends_a_wall_by_the_quarter_inch_of_paint_beyond_a_marker) {
     }
 }
 
+// A twentieth of an inch of paint is not seen; the edge of the white end is, beyond half an inch.
+TEST(Detect, ends_a_wall_by_its_white_end_beyond_a_marker) {
+    using geometry::HeightClass;
+    using geometry::WindowKind;
+    const geometry::Rig rig = exampleRig();
+    PaintBox paints;
+    paints.table = {0.5, 0.5, 0.49};
+    geometry::Sketch sketch;
+    sketch.walls = {wall("w1", {-12, -8}, {-2, -8}, HeightClass::blue),
+                    wall("w2", {3, -7}, {12, -2}, HeightClass::red),
+                    wall("w3", {-4, 9}, {5, 8}, HeightClass::blue)};
+    sketch.windows = {window("win1", "w1", 1.3, 1.5, WindowKind::standard),
+                      window("win2", "w2", 1.3, 1.5, WindowKind::transom),
+                      window("win3", "w3", 1.3, 1.5, WindowKind::picture)};
+    expectAll(scoreSketch(sketch, detectSketch(paintTable(sketch, rig, paints), rig).sketch), 0.08, kAngle);
+}
+
 TEST(Detect, reads_random_walls_under_random_poses_and_lamps) {
     std::mt19937 random(20);
     auto uniform = [&](double low, double high) {
