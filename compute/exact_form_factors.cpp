@@ -34,7 +34,7 @@ constexpr uint32_t kTile = 2304, kDiscreteTile = 16384, kDiscreteStream = 8192, 
 // waits longer for the host between two levels than it works on so many.
 constexpr uint32_t kBatch = 1u << 16, kDiscreteBatch = 1u << 18;
 constexpr size_t kSumWords = 4; // per record: form factor, its fraction, error, its fraction
-constexpr uint64_t kDiscreteRecords = 1u << 24;
+constexpr uint64_t kDiscreteRecords = 1u << 24, kWorkBytes = 256u << 20;
 constexpr size_t kLargestAlignment = 256; // that a device may want of where a storage buffer is bound
 constexpr size_t kCellBytes = 4 * io::kExactCellWords;
 constexpr uint32_t kChunk = 65535u * io::kExactGroup; // invocations of one dispatch
@@ -183,8 +183,9 @@ private:
                        mostRecords = discrete_ ? std::max(kDiscreteRecords, pairs / 8) : pairs;
         recordCapacity_ = static_cast<uint32_t>(
             std::clamp<uint64_t>(std::min(pairs, mostRecords), 1, storage / sizeof(io::ExactRecord)));
-        const uint64_t lists = std::max(options_.workBytes / 2, discrete_ ? pairs : 0);
-        listCapacity_ = static_cast<uint32_t>(std::max<uint64_t>(1, std::min<uint64_t>(storage, lists) / 4));
+        if (options_.workBytes == 0) options_.workBytes = std::max(kWorkBytes, discrete_ ? 2 * pairs : 0);
+        listCapacity_ = static_cast<uint32_t>(
+            std::max<uint64_t>(1, std::min<uint64_t>(storage, options_.workBytes / 2) / 4));
         const uint64_t slack = 4 * (uint64_t{options_.maxDepth} + 2); // four of each level, see `refine`
         cellCapacity_ = static_cast<uint32_t>(
             std::max<uint64_t>(std::min<uint64_t>(storage, options_.workBytes / 4) / kCellBytes,

@@ -21,13 +21,14 @@ struct ExactOptions {
     double maxError = 1e-4;   // wanted RMS over rows of ||F_i - true||_2; at least 1e-7
     uint32_t maxDepth = 14;   // halvings of a cell
     bool entryErrors = false; // exactFormFactors keeps an error of each entry too, as large as the matrix
-    // For lists of blockers and cells of cubature; less takes more rounds. Room for those of 16 x 16 patches,
-    // 2 kB a blocker, is needed: throws std::runtime_error.
-    uint64_t workBytes = 256u << 20;
+    // For lists of blockers and cells of cubature; less takes more rounds. 0: 256 MiB, and more for the large
+    // tiles of discrete devices. Room for those of 16 x 16 patches, 2 kB a blocker, is needed: throws
+    // std::runtime_error.
+    uint64_t workBytes = 0;
     std::function<void(double share)> progress; // after each pair of tiles: of all pairs of patches
-    // Told when more than `longFrom` seconds are expected to go on (refinement_forecast.h), and again when all
-    // is expected to take twice as long as was told: few large patches behind crowds, at errors of 1e-5, and
-    // thousands of patches between hundreds of boards take minutes.
+    // Told when more than `longFrom` seconds are expected to go on (refinement_forecast.h), and again when
+    // all is expected to take twice as long as was told: few large patches behind crowds, at errors of 1e-5,
+    // and thousands of patches between hundreds of boards take minutes.
     std::function<void(double secondsLeft)> longWork;
     double longFrom = 20;
 };
@@ -63,14 +64,16 @@ struct ExactTile {
 };
 
 // Every patch of a room blocks from both sides; patches of different rooms exchange nothing. Patches must be
-// planar and convex; degenerate ones have zero rows and columns. Memory: the dense matrix and about 0.5 GB.
+// planar and convex; degenerate ones have zero rows and columns. Memory: the dense matrix and about 0.5 GB,
+// up to 3 GB of a discrete device's own.
 // Throws TooManyBlockers.
 ExactFormFactors exactFormFactors(gpu::Device& device, const geometry::PatchMesh& mesh,
                                   const ExactOptions& options = {});
 
-// For matrices that do not fit: hands over every entry once, in tiles of at most about 2300 x 2300 in no set
-// order (F of both halves comes from one computation, so a tile and its mirror image follow one another).
-// Memory: about 0.5 GB, however many patches. `factors.values` of the result is empty.
+// For matrices that do not fit: hands over every entry once, in tiles of at most about 2300 x 2300 (8200 x
+// 8200 of discrete devices) in no set order (F of both halves comes from one computation, so a tile and its
+// mirror image follow one another). Memory: about 0.5 GB, of discrete devices 2, however many patches.
+// `factors.values` of the result is empty.
 ExactFormFactors exactFormFactorTiles(gpu::Device& device, const geometry::PatchMesh& mesh,
                                       const ExactOptions& options,
                                       const std::function<void(const ExactTile&)>& take);

@@ -45,10 +45,11 @@ constexpr uint32_t kFewPlanes = 100;
 // beyond 2 GB of them they are left to visible polygons, which keep none and need no longer there
 // (5120 patches: 2.3 CPU s against 1.7).
 constexpr double kMostPairsAsLinks = 64e6;
-// Patches up to which a discrete device is through with visible polygons before links are made: their making
-// asks the host after each batch (2000 patches on an H100: 14 ms against 73; 10,752: as long as links at
-// 5e-3).
-constexpr size_t kDenseOnDiscrete = 12'000;
+// A discrete device is through with visible polygons before links are made: their making asks the host after
+// each batch (1e-2 asked, on an H200: 1966 patches 13 ms against 68, 9824 patches 65 against 1130). Up to as
+// many patches as one binding holds the matrix of, and this share of the memory.
+constexpr size_t kDenseOnDiscrete = 32'000;
+constexpr double kDenseShare = 0.25;
 // Behind a crowd, where each blocker is a few patches, visible polygons cost about so many CPU seconds a pair
 // of patches and blocker, and rays so many a patch, whatever stands there; what light was not asked to keep
 // then need not be better than kOfRays (160, 312 and 624 boards before a window).
@@ -116,6 +117,12 @@ bool leaveToRays(const Obstacles& obstacles, size_t patches, const FormFactorOpt
     return true;
 }
 
+bool isDenseSooner(gpu::Device& device, size_t patches) {
+    const double bytes = 4.0 * static_cast<double>(patches) * static_cast<double>(patches);
+    return device.info().type == "discrete" && patches <= kDenseOnDiscrete &&
+           bytes <= kDenseShare * static_cast<double>(device.memory().largestHeap());
+}
+
 } // namespace
 
 double errorFromWhichLinksPay(const Obstacles& obstacles) {
@@ -134,7 +141,7 @@ double errorFromWhichLinksPay(const Obstacles& obstacles) {
     return std::max(pays, kLeastErrorOfLinks);
 }
 
-KernelChoice chooseKernel(const gpu::Device& device, const geometry::PatchMesh& mesh,
+KernelChoice chooseKernel(gpu::Device& device, const geometry::PatchMesh& mesh,
                           const FormFactorOptions& options) {
     KernelChoice choice{options.kernel, "", options.maxError};
     if (options.maxRadiosityError > 0) {
@@ -148,7 +155,7 @@ KernelChoice chooseKernel(const gpu::Device& device, const geometry::PatchMesh& 
     const Obstacles obstacles = obstaclesIn(mesh);
     const double measured = errorFromWhichLinksPay(obstacles),
                  pays = options.forLight ? std::max(measured, kLeastForLight) : measured;
-    const bool denseSooner = device.info().type == "discrete" && mesh.patchCount() <= kDenseOnDiscrete;
+    const bool denseSooner = isDenseSooner(device, mesh.patchCount());
     const double pairs = 0.5 * std::pow(static_cast<double>(mesh.patchCount()), 2);
     const bool eachPairALink = obstacles.fewPatchesAPlane && pairs > kMostPairsAsLinks;
     if (device.info().type != "discrete" && leaveToRays(obstacles, mesh.patchCount(), options, choice))

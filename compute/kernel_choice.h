@@ -17,7 +17,7 @@ struct KernelChoice {
 
 // Of `auto` the kernel that gets there soonest on this kind of device, by what was measured (the table in
 // docs/form-factors.md); another name stays. Cost: that of blockingPlanes.
-KernelChoice chooseKernel(const gpu::Device& device, const geometry::PatchMesh& mesh,
+KernelChoice chooseKernel(gpu::Device& device, const geometry::PatchMesh& mesh,
                           const FormFactorOptions& options);
 
 // What decides between both, as means over pairs of patches of one room.
