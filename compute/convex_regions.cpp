@@ -5,6 +5,7 @@
 #include <cmath>
 #include <map>
 #include <set>
+#include <span>
 #include <tuple>
 
 #include <glm/common.hpp>
@@ -353,6 +354,38 @@ std::map<uint32_t, PointTree> cornersOfRooms(const geometry::PatchMesh& mesh) {
     return result;
 }
 
+// Planes that look at another of their room across a gap that counts as one plane, but is wider than those of
+// faces put together: a board a hair from a wall, which hides it from what is behind the board.
+class NarrowlyFaced {
+public:
+    NarrowlyFaced(const geometry::PatchMesh& mesh, std::span<const Plane> planes, double size)
+        : mesh_(mesh), planes_(planes), size_(size) {
+        for (size_t k = 0; k < planes.size(); ++k) byTilt_.emplace(tiltOf(planes[k].normal), k);
+    }
+
+    bool operator()(const Plane& plane) const {
+        const double tilt = tiltOf(-plane.normal);
+        const auto end = byTilt_.upper_bound(tilt + kTilt);
+        return std::any_of(byTilt_.lower_bound(tilt - kTilt), end, [&](const auto& entry) {
+            const Plane& other = planes_[entry.second];
+            const double gap = glm::dot(other.origin - plane.origin, plane.normal) / size_;
+            return gap > kOnePlane && gap <= kSamePlane &&
+                   glm::dot(other.normal, plane.normal) < -kOpposite &&
+                   mesh_.room[other.patches[0]] == mesh_.room[plane.patches[0]];
+        });
+    }
+
+private:
+    static constexpr double kTilt = 1e-5, kOpposite = 1 - 1e-10;
+    // Along a direction that no walls share.
+    static double tiltOf(const dvec3& normal) { return glm::dot(normal, dvec3(0.4821, 0.7193, 0.5002)); }
+
+    const geometry::PatchMesh& mesh_;
+    std::span<const Plane> planes_;
+    double size_;
+    std::multimap<double, size_t> byTilt_;
+};
+
 // The plane's patches as convex regions.
 void mergePlane(const geometry::PatchMesh& mesh, const Plane& plane, double flat, uint32_t maxCorners,
                 uint32_t group, std::vector<ConvexRegion>& regions) {
@@ -400,10 +433,12 @@ BlockingPlanes blockingPlanes(const geometry::PatchMesh& mesh, uint32_t maxCorne
     const double size = sizeOf(mesh);
     const std::map<uint32_t, PointTree> corners = cornersOfRooms(mesh);
     BlockingPlanes result;
-    for (const Plane& plane : planesOf(mesh, size)) {
+    const std::vector<Plane> planes = planesOf(mesh, size);
+    const NarrowlyFaced isNarrowlyFaced(mesh, planes, size);
+    for (const Plane& plane : planes) {
         ++result.planes;
         const PointTree& room = corners.at(mesh.room[plane.patches[0]]);
-        if (room.reaches(plane.origin, plane.normal, kSamePlane * size) &&
+        if ((room.reaches(plane.origin, plane.normal, kSamePlane * size) || isNarrowlyFaced(plane)) &&
             room.reaches(plane.origin, -plane.normal, kSamePlane * size))
             mergePlane(mesh, plane, 1e-9 * size, maxCorners, result.planes, result.regions);
     }

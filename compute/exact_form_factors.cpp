@@ -183,14 +183,14 @@ private:
                        mostRecords = discrete_ ? std::max(kDiscreteRecords, pairs / 8) : pairs;
         recordCapacity_ = static_cast<uint32_t>(
             std::clamp<uint64_t>(std::min(pairs, mostRecords), 1, storage / sizeof(io::ExactRecord)));
-        if (options_.workBytes == 0) options_.workBytes = std::max(kWorkBytes, discrete_ ? 2 * pairs : 0);
-        listCapacity_ = static_cast<uint32_t>(
-            std::max<uint64_t>(1, std::min<uint64_t>(storage, options_.workBytes / 2) / 4));
+        workBytes_ = options_.workBytes.value_or(std::max(kWorkBytes, discrete_ ? 2 * pairs : 0));
+        listCapacity_ =
+            static_cast<uint32_t>(std::max<uint64_t>(1, std::min<uint64_t>(storage, workBytes_ / 2) / 4));
         const uint64_t slack = 4 * (uint64_t{options_.maxDepth} + 2); // four of each level, see `refine`
-        cellCapacity_ = static_cast<uint32_t>(
-            std::max<uint64_t>(std::min<uint64_t>(storage, options_.workBytes / 4) / kCellBytes,
-                               slack + cellsOfPair()) -
-            slack);
+        cellCapacity_ =
+            static_cast<uint32_t>(std::max<uint64_t>(std::min<uint64_t>(storage, workBytes_ / 4) / kCellBytes,
+                                                     slack + cellsOfPair()) -
+                                  slack);
         // exact_lines.comp keeps numbers of records there, too.
         const uint64_t cellBytes =
             std::max<uint64_t>((cellCapacity_ + slack) * kCellBytes, 4 * uint64_t{recordCapacity_});
@@ -251,7 +251,7 @@ private:
                     throw std::runtime_error(fmt::format(
                         "kernel exact: {} bytes, in storage buffers as device '{}' has them, do not hold "
                         "what may stand between two clusters of patches",
-                        options_.workBytes, device_.info().name));
+                        workBytes_, device_.info().name));
                 size /= 2;
                 continue;
             }
@@ -536,6 +536,7 @@ private:
     ExactOptions options_;
     bool discrete_;
     uint32_t words_ = 1, recordCapacity_ = 1, listCapacity_ = 1, cellCapacity_ = 1;
+    uint64_t workBytes_ = 0;
     float tolerance_ = 0, cellTolerance_ = 0;
     ExactScene scene_;
     ExactKernels kernels_;

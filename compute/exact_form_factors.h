@@ -9,6 +9,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -21,10 +22,10 @@ struct ExactOptions {
     double maxError = 1e-4;   // wanted RMS over rows of ||F_i - true||_2; at least 1e-7
     uint32_t maxDepth = 14;   // halvings of a cell
     bool entryErrors = false; // exactFormFactors keeps an error of each entry too, as large as the matrix
-    // For lists of blockers and cells of cubature; less takes more rounds. 0: 256 MiB, and more for the large
-    // tiles of discrete devices. Room for those of 16 x 16 patches, 2 kB a blocker, is needed: throws
-    // std::runtime_error.
-    uint64_t workBytes = 0;
+    // For lists of blockers and cells of cubature; less takes more rounds. If not given 256 MiB, and more for
+    // the large tiles of discrete devices. Room for those of 16 x 16 patches, 2 kB a blocker, is needed:
+    // throws std::runtime_error.
+    std::optional<uint64_t> workBytes;
     std::function<void(double share)> progress; // after each pair of tiles: of all pairs of patches
     // Told when more than `longFrom` seconds are expected to go on (refinement_forecast.h), and again when
     // all is expected to take twice as long as was told: few large patches behind crowds, at errors of 1e-5,

@@ -285,8 +285,7 @@ TEST(HardCases, furniture_pushed_together_exchanges_nothing_between_its_faces) {
         Polygons polygons = box({0, 0, 0}, {4, 2.7, 3}, true);
         for (int k = 0; k < 4; ++k) {
             const double left = 0.4 + 0.8 * k, right = 1.2 + 0.8 * k;
-            const Polygons cupboard =
-                box({left, 0.3, 2.2}, {right - left, 0.9 + 0.2 * (k % 2), 0.6}, false);
+            const Polygons cupboard = box({left, 0.3, 2.2}, {right - left, 0.9 + 0.2 * (k % 2), 0.6}, false);
             for (Polygon face : cupboard) {
                 for (glm::dvec3& p : face) // its own right side, not left + size
                     if (std::abs(p.x - right) < 1e-9) p.x = right;
@@ -307,6 +306,26 @@ TEST(HardCases, furniture_pushed_together_exchanges_nothing_between_its_faces) {
                 EXPECT_LT(F[right * n + left], 1e-6) << judged.kernel << " " << turn << " " << k;
                 EXPECT_LT(F[left * n + right], 1e-6) << judged.kernel << " " << turn << " " << k;
             }
+        }
+    }
+}
+
+// A cupboard 1e-5 m before a wall, on a floor that goes on beneath it: its back is no border of the room.
+TEST(HardCases, what_stands_a_hair_from_a_wall_hides_it) {
+    Polygons polygons = box({0, 0, 0}, {4, 2.7, 3}, true);
+    for (Polygon& face : box({0.5, 0, 2.9}, {3, 2.2, 0.1 - 1e-5}, false))
+        if (std::ranges::any_of(face, [](const glm::dvec3& p) { return p.y > 0; }))
+            polygons.push_back(std::move(face));
+    ASSERT_EQ(polygons.size(), 11u); // no bottom
+    const geometry::PatchMesh mesh = test::meshOf(polygons);
+    const size_t n = mesh.patchCount();
+    for (Judged judged : judgedKernels()) {
+        judged.options.maxError = 3e-3;
+        const std::vector<float> F = matrixOf(mesh, judged.options);
+        for (size_t i = 0; i < 6; ++i) {
+            double sum = 0;
+            for (size_t j = 0; j < n; ++j) sum += double{F[i * n + j]};
+            EXPECT_LT(sum, 1 + 2 * judged.options.maxError) << judged.kernel << " " << i;
         }
     }
 }
