@@ -13,9 +13,9 @@
 #include <glm/geometric.hpp>
 
 #include "geometry/bounds.h"
-#include "geometry/box_tree.h"
 #include "geometry/counted.h"
 #include "geometry/face_soup.h"
+#include "geometry/faces_on_faces.h"
 #include "geometry/glass_pairs.h"
 #include "geometry/ground_in_rooms.h"
 #include "geometry/input_error.h"
@@ -24,7 +24,6 @@
 #include "geometry/outline_area.h"
 #include "geometry/outside_shade.h"
 #include "geometry/pinched_shells.h"
-#include "geometry/ray_crossing.h"
 #include "geometry/shared_walls.h"
 #include "geometry/shell_faces.h"
 #include "geometry/shell_nesting.h"
@@ -300,55 +299,21 @@ private:
                     throw InputError(model_.file, model_.place(face.surface), "the face is not planar");
     }
 
-    bool coplanar(const Face& face, const std::vector<uint32_t>& loop) const {
-        const glm::dvec3 n = normal(face), origin = building_.vertices[face.loops[0][0]];
-        return std::ranges::all_of(loop, [&](uint32_t v) {
-            return std::abs(glm::dot(building_.vertices[v] - origin, n)) <= offPlane();
-        });
-    }
-
-    // All corners of the loop strictly inside the face's outline.
-    bool inside(const Face& face, const std::vector<uint32_t>& loop) const {
-        const glm::dvec3 n = normal(face), size = glm::abs(n);
-        const int drop = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
-        const int u = (drop + 1) % 3, v = (drop + 2) % 3;
-        return std::ranges::all_of(loop, [&](uint32_t corner) {
-            const glm::dvec3 p = building_.vertices[corner];
-            bool in = false;
-            for (const auto& border : face.loops) // a hole's corners are not inside either
-                for (size_t i = 0; i < border.size(); ++i) {
-                    const glm::dvec3 a = building_.vertices[border[i]],
-                                     b = building_.vertices[border[(i + 1) % border.size()]];
-                    if (border[i] == corner) return false;
-                    if (rayCrosses({p[u], p[v]}, {a[u], a[v]}, {b[u], b[v]})) in = !in;
-                }
-            return in;
-        });
-    }
-
-    // Something ends on a face that was not divided there: an edge is open, or a face lies within another.
+    // Something ends on a face that was not divided there: an edge is open, a face lies within another, or a
+    // body on several.
     bool endsOnFaces() const {
         bool ends = std::ranges::any_of(facesOfEdges(building_),
                                         [](const auto& entry) { return entry.second.size() == 1; });
-        std::vector<Bounds> boxes;
-        std::vector<glm::dvec3> outline;
-        for (const Face& face : building_.faces) {
-            outline.clear();
-            for (const uint32_t v : face.loops[0]) outline.push_back(building_.vertices[v]);
-            boxes.push_back(boundsOf(outline));
-        }
-        const BoxTree tree(boxes);
-        const glm::dvec3 margin(offPlane());
+        const FacesOnFaces on(building_, offPlane());
         for (uint32_t f = 0; f < building_.faces.size(); ++f) {
-            const auto& loop = building_.faces[f].loops[0];
-            const auto hides = [&](uint32_t g) {
-                return g != f && coplanar(building_.faces[g], loop) && inside(building_.faces[g], loop);
-            };
-            if (!tree.anyHolding(boxes[f].low + margin, boxes[f].high - margin, hides)) continue;
-            // A pane that lies in a wall face that was not cut is drawn, not hidden: the user must mend it.
-            if (model_.materials[building_.faces[f].material].isOpening())
-                refuse({f}, "an opening lies on another face that is not cut out for it");
-            ends = true;
+            if (on.isWithinOne(f)) {
+                // A pane that lies in a wall face that was not cut is drawn, not hidden: the user must mend
+                // it.
+                if (model_.materials[building_.faces[f].material].isOpening())
+                    refuse({f}, "an opening lies on another face that is not cut out for it");
+                ends = true;
+            }
+            ends = ends || on.isOfBodyOn(f);
         }
         return ends;
     }

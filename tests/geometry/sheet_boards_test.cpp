@@ -122,6 +122,30 @@ TEST(SheetBoards, posters_and_rugs_lie_on_what_is_behind) {
     EXPECT_NEAR(area.at("wall"), 85 - 2.4 - 0.48 - 3, 1e-3);
 }
 
+// Across the diagonal of a wall in two triangles: a sheet, and a body less before it than faces are told
+// apart by.
+TEST(SheetBoards, nothing_is_left_behind_what_lies_on_walls_of_triangles) {
+    for (const bool isBody : {false, true}) {
+        Drawing drawing(false);
+        drawing.triangles = true;
+        drawing.room(0, -1, true);
+        drawing.triangles = false;
+        if (isBody)
+            for (const auto& [at, u, v] : Drawing::sidesOf({1e-6, 0.5, 1.5}, {0.6, 1.5, 2}))
+                drawing.face("paint", {at, at + v, at + u + v, at + u});
+        else
+            drawing.face("paint", {{0.003, 0.5, 1.5}, {0.003, 2, 1.5}, {0.003, 2, 3.5}, {0.003, 0.5, 3.5}});
+        const PatchMesh mesh = meshBuilding(drawing.read(), {300});
+        std::map<std::string, double> area;
+        for (size_t i = 0; i < mesh.patchCount(); ++i)
+            area[mesh.materials[mesh.material[i]].name] += 0.5 * glm::length(patchAreaVector(mesh, i));
+        const double deep = isBody ? 0.6 : 0.003;
+        EXPECT_NEAR(volume(mesh), 50 - 3 * deep, 1e-3) << isBody;
+        EXPECT_NEAR(area.at("paint"), 3 + 7 * deep, 1e-3) << isBody;
+        EXPECT_NEAR(area.at("wall"), 85 - 2.4 - 3, 1e-3) << isBody;
+    }
+}
+
 // However near: none runs into the wall or is taken to stand outside.
 TEST(SheetBoards, decals_a_hair_before_a_wall_draw_no_other_warnings) {
     for (const double gap : {5e-5, 2e-4, 1e-3, 3e-3}) {

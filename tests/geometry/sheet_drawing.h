@@ -27,8 +27,9 @@ using glm::dvec3;
 
 class Drawing {
 public:
-    double deep = 5;       // rooms are
-    bool twoSided = false; // each face once a side
+    double deep = 5;        // rooms are
+    bool twoSided = false;  // each face once a side
+    bool triangles = false; // as most programs write
 
     // All faces turned over: drawn to be seen from outside, as some programs do. In so many units a metre.
     explicit Drawing(bool over, double units = 1) : over_(over), units_(units) {
@@ -44,6 +45,11 @@ public:
     Drawing& operator=(const Drawing&) = delete;
 
     void face(const char* material, std::vector<dvec3> corners) {
+        if (triangles && corners.size() > 3) {
+            for (size_t k = 1; k + 1 < corners.size(); ++k)
+                face(material, {corners[0], corners[k], corners[k + 1]});
+            return;
+        }
         if (over_) std::ranges::reverse(corners);
         out_ << "usemtl " << material << '\n';
         for (const dvec3& corner : corners) {
