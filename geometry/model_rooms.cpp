@@ -18,6 +18,7 @@
 #include "geometry/faces_on_faces.h"
 #include "geometry/glass_pairs.h"
 #include "geometry/ground_in_rooms.h"
+#include "geometry/hole_size.h"
 #include "geometry/input_error.h"
 #include "geometry/model_file.h"
 #include "geometry/model_surfaces.h"
@@ -335,12 +336,11 @@ private:
     std::string sizeOf(const std::vector<glm::dvec3>& hole) const {
         if (hole.empty()) return "";
         const Bounds box = boundsOf(hole);
-        const glm::dvec3 size = box.high - box.low, middle = 0.5 * (box.low + box.high),
+        const glm::dvec3 middle = box.centre(),
                          p = model_.up == UpAxis::z ? glm::dvec3(middle.x, -middle.z, middle.y) : middle;
-        return fmt::format(
-            " (it is {:.3g} wide and {:.3g} high, round {:.3g} {:.3g} {:.3g}, in the file's unit; "
-            "a face of glass in it, with Ni 1, is an opening)",
-            std::hypot(size.x, size.z), size.y, p.x, p.y, p.z);
+        return fmt::format(" (it is {}, round {:.3g} {:.3g} {:.3g}, in the file's unit; "
+                           "a face of glass in it, with Ni 1, is an opening)",
+                           sizeOfHole(hole, offPlane()), p.x, p.y, p.z);
     }
 
     // Within a shell all faces look the same way: the way of most of its area.

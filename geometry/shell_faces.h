@@ -27,7 +27,7 @@ struct ShellFaces {
     size_t turnedOver = 0;        // faces, against the others of their shell
     std::vector<uint32_t> bad;    // faces that keep the shells from closing; empty when they do
     std::string what;             // is wrong with those
-    std::vector<glm::dvec3> hole; // corners along the first open border, where closing that may be all to do
+    std::vector<glm::dvec3> hole; // both ends of each open edge round it, where closing it may be all
 };
 
 // Turns faces over until within a shell all look the same way: the way of most of its area.

@@ -222,6 +222,25 @@ TEST(DirtyModel, a_hole_is_said_with_its_size_and_place) {
     }
 }
 
+TEST(DirtyModel, a_level_or_leaning_hole_is_said_with_both_sides) {
+    Polygons roofless = box({0, 0, 0}, {4, 2.5, 5});
+    std::erase(roofless.faces, std::vector<uint32_t>{2, 3, 7, 6});
+    expectRefused(roofless, "(it is 5 by 4, round 2 2.5 2.5,");
+    for (const double turn : {0.3, 1.2}) { // about the vertical
+        Polygons turned = roofless;
+        for (glm::dvec3& p : turned.vertices)
+            p = {std::cos(turn) * p.x + std::sin(turn) * p.z, p.y,
+                 std::cos(turn) * p.z - std::sin(turn) * p.x};
+        expectRefused(turned, "(it is 5 by 4, round ");
+    }
+    Polygons lean = roofless; // 3 up on 4
+    for (const size_t v : {3, 7}) lean.vertices[v].y += 3;
+    expectRefused(lean, "(it is 5 by 5, round 2 4 2.5,");
+    Polygons corner = roofless; // a wall is missing, too
+    std::erase(corner.faces, std::vector<uint32_t>{0, 2, 6, 4});
+    expectRefused(corner, "(it is 5 by 4 by 2.5, round ");
+}
+
 // Where the model closes with it, in either way of dividing it.
 TEST(DirtyModel, a_face_bent_by_much_is_divided_with_a_warning) {
     Polygons bent = room();
