@@ -134,8 +134,11 @@ private:
         uint64_t tile = discrete_ ? whole ? kDiscreteTile : kDiscreteStream : kTile;
         const uint64_t rows = storage / (4 * std::max<uint64_t>(patches, 1)) - 1; // and what alignment adds
         if (whole && rows >= kLeastRows) tile = std::min(tile, rows);
+        // Records, lists and cells of a discrete device's tiles take about 8 bytes a pair.
+        const uint64_t most =
+            discrete_ ? std::min(storage / 4, device_.memory().largestHeap() / 32) : storage / 4;
         return static_cast<uint32_t>(
-            std::min(static_cast<double>(tile), std::sqrt(static_cast<double>(storage) / 4)));
+            std::min(static_cast<double>(tile), std::sqrt(static_cast<double>(most))));
     }
 
     bool isBoundByRows(uint64_t storage) const {
