@@ -46,7 +46,7 @@ public:
         for (const FlatFace& sheet : sheets_) {
             if (std::ranges::any_of(sheet.triangles,
                                     [&](const auto& t) { return isWithin(shell_, t, tolerance_); }) ||
-                tree.anyHolding(sheet.box.high + tolerance_, sheet.box.low - tolerance_,
+                tree.anyHolding(sheet.box.high + kWithin * tolerance_, sheet.box.low - kWithin * tolerance_,
                                 [&](uint32_t i) { return isRightBefore(sheet, rooms_[i]); }))
                 return SheetFault{sheet.surface,
                                   "lies in a room, a sheet without thickness that encloses nothing"};
@@ -84,20 +84,19 @@ private:
     }
 
     bool meet(const FlatFace& sheet, const FlatFace& wall) const {
-        return facesCross(sheet, wall, tolerance_) || (wall.isGlass && covers(sheet, wall));
+        return facesCross(sheet, wall, tolerance_) || (wall.isGlass && covers(sheet, wall, tolerance_));
     }
 
     // Nearer than any point of it could be told to lie in the room.
     bool isRightBefore(const FlatFace& sheet, const FlatFace& wall) const {
         return std::ranges::all_of(sheet.loops[0], [&](dvec3 p) { return wall.height(p) >= 0; }) &&
                std::ranges::any_of(sheet.loops[0], [&](dvec3 p) { return wall.height(p) > 0; }) &&
-               covers(sheet, wall);
+               covers(sheet, wall, kWithin * tolerance_);
     }
 
-    // In the plane of the pane and, more than by its border, over it.
-    bool covers(const FlatFace& sheet, const FlatFace& pane) const {
-        if (std::ranges::any_of(sheet.loops[0],
-                                [&](dvec3 p) { return std::abs(pane.height(p)) > tolerance_; }))
+    // In the plane of the pane, to within `near`, and, more than by its border, over it.
+    bool covers(const FlatFace& sheet, const FlatFace& pane, double near) const {
+        if (std::ranges::any_of(sheet.loops[0], [&](dvec3 p) { return std::abs(pane.height(p)) > near; }))
             return false;
         std::vector<dvec3> part, cut;
         for (const ShellTriangle& over : sheet.triangles)
@@ -113,6 +112,8 @@ private:
             }
         return false;
     }
+
+    static constexpr double kWithin = 2; // tolerances: what isWithin() asks to be of a room beside a sheet
 
     const std::vector<FlatFace>&sheets_, &rooms_;
     std::vector<Bounds> boxes_; // of the latter

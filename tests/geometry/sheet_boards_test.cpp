@@ -148,7 +148,7 @@ TEST(SheetBoards, nothing_is_left_behind_what_lies_on_walls_of_triangles) {
 
 // However near: none runs into the wall or is taken to stand outside.
 TEST(SheetBoards, decals_a_hair_before_a_wall_draw_no_other_warnings) {
-    for (const double gap : {5e-5, 2e-4, 1e-3, 3e-3}) {
+    for (const double gap : {5e-5, 8e-5, 1e-4, 1.3e-4, 2e-4, 1e-3, 3e-3}) {
         Drawing drawing(false);
         drawing.room(0, -1, true);
         drawing.face("paint", {{4 - gap, 1, 1}, {4 - gap, 1, 2}, {4 - gap, 1.6, 2}, {4 - gap, 1.6, 1}});
