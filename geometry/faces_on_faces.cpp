@@ -50,8 +50,10 @@ std::vector<Bounds> boxesOf(const Building& building) {
 FacesOnFaces::FacesOnFaces(const Building& building, double offPlane)
     : building_(building), offPlane_(offPlane), box_(boxesOf(building)), tree_(box_) {
     DisjointSets sets(building.faces.size());
-    for (const auto& [edge, around] : facesOfEdges(building))
+    for (const auto& [edge, around] : facesOfEdges(building)) {
+        hasOpenEdges_ |= around.size() == 1;
         for (const uint32_t f : around) sets.join(f, around[0]);
+    }
     boxOfBody_.assign(building.faces.size(), {dvec3(HUGE_VAL), dvec3(-HUGE_VAL)});
     for (uint32_t f = 0; f < building.faces.size(); ++f) {
         body_.push_back(sets.root(f));

@@ -17,6 +17,7 @@ public:
     FacesOnFaces(const Building& building, double offPlane);
     FacesOnFaces(const FacesOnFaces&) = delete;
 
+    bool hasOpenEdges() const { return hasOpenEdges_; } // edges of one face alone
     // Whether it lies within one other face, not on its border.
     bool isWithinOne(uint32_t face) const;
     // Whether it is of a body that stands in the box of another one, which has faces, any number, where this
@@ -28,6 +29,7 @@ private:
 
     const Building& building_;
     double offPlane_;
+    bool hasOpenEdges_ = false;
     std::vector<Bounds> box_;       // per face
     std::vector<uint32_t> body_;    // per face, one that hangs together with it by edges
     std::vector<Bounds> boxOfBody_; // by that number

@@ -303,9 +303,8 @@ private:
     // Something ends on a face that was not divided there: an edge is open, a face lies within another, or a
     // body on several.
     bool endsOnFaces() const {
-        bool ends = std::ranges::any_of(facesOfEdges(building_),
-                                        [](const auto& entry) { return entry.second.size() == 1; });
         const FacesOnFaces on(building_, offPlane());
+        bool ends = on.hasOpenEdges();
         for (uint32_t f = 0; f < building_.faces.size(); ++f) {
             if (on.isWithinOne(f)) {
                 // A pane that lies in a wall face that was not cut is drawn, not hidden: the user must mend

@@ -1,7 +1,6 @@
 #include "geometry/shell_faces.h"
 
 #include <algorithm>
-#include <optional>
 #include <set>
 
 #include <fmt/format.h>
@@ -30,42 +29,42 @@ ShellFaces refused(std::vector<uint32_t> faces, std::string what) {
     return out;
 }
 
-// The faces along each border of edges that have one alone.
-std::vector<std::vector<uint32_t>> openBorders(const Building& building,
-                                               const std::map<Edge, std::vector<uint32_t>>& edges) {
+// Edges that have one face alone and hang together, and that face of each.
+struct OpenBorder {
+    std::vector<Edge> edges;
+    std::vector<uint32_t> faces;
+};
+
+// By their first faces.
+std::vector<OpenBorder> openBorders(const Building& building,
+                                    const std::map<Edge, std::vector<uint32_t>>& edges) {
     DisjointSets corners(building.vertices.size());
     for (const auto& [edge, faces] : edges)
         if (faces.size() == 1) corners.join(edge.first, edge.second);
-    std::map<uint32_t, std::vector<uint32_t>> borders;
+    std::map<uint32_t, OpenBorder> borders;
     for (const auto& [edge, faces] : edges)
-        if (faces.size() == 1) borders[corners.root(edge.first)].push_back(faces[0]);
-    std::vector<std::vector<uint32_t>> out;
-    for (auto& [corner, faces] : borders) out.push_back(std::move(faces));
-    std::ranges::sort(out, {}, [](const auto& faces) { return std::ranges::min(faces); });
+        if (faces.size() == 1) {
+            OpenBorder& border = borders[corners.root(edge.first)];
+            border.edges.push_back(edge);
+            border.faces.push_back(faces[0]);
+        }
+    std::vector<OpenBorder> out;
+    for (auto& [corner, border] : borders) out.push_back(std::move(border));
+    std::ranges::sort(out, {}, [](const OpenBorder& border) { return std::ranges::min(border.faces); });
     return out;
 }
 
 // Of what hangs together, whether what closes its open borders would be as large as all of it: a facade, two
 // walls. Pieces that do not meet have such borders, too, and gaps between them.
-bool isMostlyOpen(const Building& building, const std::map<Edge, std::vector<uint32_t>>& edges) {
+bool isMostlyOpen(const Building& building, const std::vector<OpenBorder>& borders) {
     constexpr double kAsLarge = 0.9;
-    DisjointSets corners(building.vertices.size());
-    std::vector<Edge> open;
-    for (const auto& [edge, faces] : edges)
-        if (faces.size() == 1) {
-            corners.join(edge.first, edge.second);
-            open.push_back(edge);
-        }
-    std::map<uint32_t, std::pair<glm::dvec3, double>> sums; // per border, of its edges' ends, and how many
-    for (const auto& [a, b] : open) {
-        auto& [sum, count] = sums[corners.root(a)];
-        sum += building.vertices[a] + building.vertices[b], count += 2;
-    }
     double closing = 0, drawn = 0; // twice the areas
-    for (const auto& [a, b] : open) {
-        const auto& [sum, count] = sums.at(corners.root(a));
-        const glm::dvec3 middle = sum / count;
-        closing += glm::length(glm::cross(building.vertices[a] - middle, building.vertices[b] - middle));
+    for (const OpenBorder& border : borders) {
+        glm::dvec3 sum(0);
+        for (const auto& [a, b] : border.edges) sum += building.vertices[a] + building.vertices[b];
+        const glm::dvec3 middle = sum / (2.0 * static_cast<double>(border.edges.size()));
+        for (const auto& [a, b] : border.edges)
+            closing += glm::length(glm::cross(building.vertices[a] - middle, building.vertices[b] - middle));
     }
     for (const Face& face : building.faces) {
         glm::dvec3 area(0);
@@ -84,7 +83,7 @@ ShellFaces openFaces(const Building& building, const std::map<Edge, std::vector<
     for (const auto& [edge, faces] : edges)
         for (const uint32_t f : faces) parts.join(faces[0], f);
     std::set<uint32_t> openParts, allParts, open;
-    for (const auto& border : borders) open.insert(border.begin(), border.end());
+    for (const OpenBorder& border : borders) open.insert(border.faces.begin(), border.faces.end());
     for (const uint32_t f : open) openParts.insert(parts.root(f));
     for (uint32_t f = 0; f < building.faces.size(); ++f) allParts.insert(parts.root(f));
     if (openParts.size() < allParts.size())
@@ -97,24 +96,15 @@ ShellFaces openFaces(const Building& building, const std::map<Edge, std::vector<
         return building.faces[f].surface == building.faces[*open.begin()].surface;
     };
     const bool isHole = !std::ranges::all_of(open, isOfFirst);
-    if (isHole && allParts.size() == 1 && isMostlyOpen(building, edges))
+    if (isHole && allParts.size() == 1 && isMostlyOpen(building, borders))
         return refused({open.begin(), open.end()},
                        "encloses no room: these faces are open sheets, as of a facade alone, and what would "
                        "close them (floor, ceiling, other walls) is as large as all that is drawn");
     if (isHole) what += ": close the hole, or draw its door or glass";
-    ShellFaces out = refused(borders[0], std::move(what));
+    ShellFaces out = refused(borders[0].faces, std::move(what));
     if (!isHole) return out;
-    DisjointSets corners(building.vertices.size());
-    std::optional<uint32_t> first;
-    for (const auto& [edge, faces] : edges)
-        if (faces.size() == 1) {
-            corners.join(edge.first, edge.second);
-            if (!first && faces[0] == std::ranges::min(borders[0])) first = edge.first;
-        }
-    for (const auto& [edge, faces] : edges)
-        for (const uint32_t v : {edge.first, edge.second})
-            if (faces.size() == 1 && corners.root(v) == corners.root(*first))
-                out.hole.push_back(building.vertices[v]);
+    for (const auto& [a, b] : borders[0].edges)
+        out.hole.insert(out.hole.end(), {building.vertices[a], building.vertices[b]});
     return out;
 }
 
