@@ -17,6 +17,7 @@
 #include "compute/gpu/counters.h"
 #include "compute/gpu/device.h"
 #include "compute/gpu/kernel.h"
+#include "compute/matrix_band.h"
 #include "compute/refinement_forecast.h"
 #include "compute/stopwatch.h"
 #include "shaders/io/exact_form_factors.io.h"
@@ -35,7 +36,6 @@ constexpr uint32_t kTile = 2304, kDiscreteTile = 16384, kDiscreteStream = 8192, 
 constexpr uint32_t kBatch = 1u << 16, kDiscreteBatch = 1u << 18;
 constexpr size_t kSumWords = 4; // per record: form factor, its fraction, error, its fraction
 constexpr uint64_t kDiscreteRecords = 1u << 24, kWorkBytes = 256u << 20;
-constexpr size_t kLargestAlignment = 256; // that a device may want of where a storage buffer is bound
 constexpr size_t kCellBytes = 4 * io::kExactCellWords;
 constexpr uint32_t kChunk = 65535u * io::kExactGroup; // invocations of one dispatch
 constexpr uint32_t kMostGroups = 65535;
@@ -144,7 +144,7 @@ private:
     bool isBoundByRows(uint64_t storage) const {
         return std::ranges::all_of(scene_.tiles, [&](const ExactTileRange& tile) {
             return tile.piecesArePatches &&
-                   4 * uint64_t{scene_.patchCount} * tile.pieces + kLargestAlignment <= storage;
+                   4 * uint64_t{scene_.patchCount} * tile.pieces + kBandAlignment <= storage;
         });
     }
 
@@ -155,11 +155,9 @@ private:
     };
     Half halfOf(const ExactTileRange& rows, const ExactTileRange& columns, const gpu::Buffer& buffer) const {
         if (!hasMatrix()) return {buffer, 0, columns.pieces};
-        const size_t n = scene_.patchCount, first = 4 * (rows.firstPatch * n + columns.firstPatch),
-                     begin = first / kLargestAlignment * kLargestAlignment,
-                     end = first + 4 * ((rows.patches - 1) * n + columns.patches);
-        return {gpu::part(matrix_, begin, end - begin), static_cast<uint32_t>((first - begin) / 4),
-                scene_.patchCount};
+        const size_t n = scene_.patchCount, first = rows.firstPatch * n + columns.firstPatch;
+        const MatrixBand band = bandOf(matrix_, first, first + (rows.patches - 1) * n + columns.patches);
+        return {band.binding, band.first, scene_.patchCount};
     }
 
     struct Halves {

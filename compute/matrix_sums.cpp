@@ -8,6 +8,7 @@
 #include "compute/gpu/commands.h"
 #include "compute/gpu/device.h"
 #include "compute/gpu/kernel.h"
+#include "compute/matrix_band.h"
 #include "compute/parallel.h"
 #include "shaders/io/matrix_sums.io.h"
 #include "spirv/matrix_sums_comp.h"
@@ -44,18 +45,14 @@ MatrixSums onHost(const float* F, std::span<const double> area) {
 
 // In bands of rows, of as many as a binding holds: each is met by each.
 MatrixSums onDevice(gpu::Device& device, const gpu::Buffer& values, std::span<const double> area) {
-    constexpr size_t kAlignment = 256, kAcross = 32768; // most that a device may want; groups along one axis
+    constexpr size_t kAcross = 32768; // groups along one axis
     const size_t n = area.size(), rowBytes = 4 * n,
-                 most = std::max<size_t>(1, (device.limits().maxStorageBufferRange - kAlignment) / rowBytes),
+                 most =
+                     std::max<size_t>(1, (device.limits().maxStorageBufferRange - kBandAlignment) / rowBytes),
                  bands = (n + most - 1) / most;
     const std::vector<float> single(area.begin(), area.end());
     const gpu::Buffer areas = gpu::Buffer::from(device, single, "patch areas"),
                       sums(device, 16 * n * bands, "matrix sums");
-    const auto bandAt = [&](size_t first, size_t rows, uint32_t& at) {
-        const size_t begin = first * rowBytes / kAlignment * kAlignment;
-        at = static_cast<uint32_t>((first * rowBytes - begin) / 4);
-        return gpu::part(values, begin, (first + rows) * rowBytes - begin);
-    };
     const gpu::Kernel& kernel = device.kernels().get(matrix_sums_comp, "matrix_sums");
     gpu::Commands commands(device);
     for (size_t a = 0; a < n; a += most)
@@ -68,14 +65,14 @@ MatrixSums onDevice(gpu::Device& device, const gpu::Buffer& values, std::span<co
             params.firstColumn = static_cast<uint32_t>(b);
             params.columns = static_cast<uint32_t>(columns);
             params.sumsAt = static_cast<uint32_t>(b / most * n + a);
-            const gpu::Binding ofRows = bandAt(a, rows, params.rowsAt),
-                               ofColumns = bandAt(b, columns, params.columnsAt);
-            params.rowsAt += params.firstColumn;
-            params.columnsAt += params.firstRow;
+            const MatrixBand ofRows = bandOf(values, a * n, (a + rows) * n),
+                             ofColumns = bandOf(values, b * n, (b + columns) * n);
+            params.rowsAt = ofRows.first + params.firstColumn;
+            params.columnsAt = ofColumns.first + params.firstRow;
             const size_t across = std::min(rows, kAcross);
-            commands.dispatch(kernel, {ofRows, ofColumns, gpu::texel(areas, VK_FORMAT_R32_SFLOAT), sums},
-                              params, static_cast<uint32_t>(across),
-                              static_cast<uint32_t>((rows + across - 1) / across));
+            commands.dispatch(
+                kernel, {ofRows.binding, ofColumns.binding, gpu::texel(areas, VK_FORMAT_R32_SFLOAT), sums},
+                params, static_cast<uint32_t>(across), static_cast<uint32_t>((rows + across - 1) / across));
         }
     device.submitAndWait(std::move(commands));
     const gpu::HostView<std::array<float, 4>> parts(sums, n * bands);
