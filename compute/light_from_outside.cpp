@@ -16,14 +16,20 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 constexpr double kRibbonError = 0.003; // of what a ribbon at the horizon gives straight
-// Of what is reflected from outside: what cells and black glass leave
-// (docs/accuracy.md).
-constexpr float kReflectedError = 0.04F;
 
-glm::vec3 received(std::span<const OutsideShare> shares, std::span<const glm::vec3> exitance) {
-    glm::vec3 lux(0);
-    for (const OutsideShare& share : shares) lux += share.weight * exitance[share.cell];
-    return lux;
+struct Received {
+    glm::vec3 lux{0};
+    float unsure = 0; // lux
+};
+Received received(std::span<const OutsideShare> shares, std::span<const OutsideCell> cells,
+                  std::span<const glm::vec3> exitance) {
+    Received all;
+    for (const OutsideShare& share : shares) {
+        const glm::vec3 lux = share.weight * exitance[share.cell];
+        all.lux += lux;
+        all.unsure += cells[share.cell].unsure * static_cast<float>(photometric(lux));
+    }
+    return all;
 }
 
 } // namespace
@@ -247,8 +253,7 @@ void LightFromOutside::reflect(Moment& moment, const daylight::Sky& sky, const S
     moment.report.modelled.push_back(reflection_.inWords());
     const std::vector<glm::vec3> exitance = outsideExitance(sky, sun);
     for (size_t i = 0; i < patchSky_.walls.size(); ++i) {
-        const glm::vec3 lux = received(patchSky_.walls[i], exitance);
-        const float unsure = kReflectedError * static_cast<float>(photometric(lux));
+        const auto [lux, unsure] = received(patchSky_.walls[i], reflection_.cells(), exitance);
         moment.patches[i].ground += lux;
         moment.patches[i].error += unsure;
         moment.unsureLumens += geometry::patchArea(mesh_, i) * double{unsure};
@@ -257,21 +262,21 @@ void LightFromOutside::reflect(Moment& moment, const daylight::Sky& sky, const S
     if (outsideOnBlinds_.patches().empty()) return;
     glow(moment, [](size_t, uint32_t) { return glm::vec3(0); });
     for (const OutsideOnBlinds::Patch& p : outsideOnBlinds_.patches()) {
-        const glm::vec3 more = received(p.shares, exitance);
-        moment.glow[p.patch] += more;
-        moment.unsureLumens += geometry::patchArea(mesh_, p.patch) * kReflectedError * photometric(more);
+        const auto [lux, unsure] = received(p.shares, reflection_.cells(), exitance);
+        moment.glow[p.patch] += lux;
+        moment.unsureLumens += geometry::patchArea(mesh_, p.patch) * double{unsure};
     }
 }
 
 void LightFromOutside::reflectAtSensors(Moment& moment, std::span<const glm::vec3> exitance,
-                                        const SensorGather& sensors) {
+                                        const SensorGather& sensors) const {
     for (size_t s = 0; s < moment.sensors.size(); ++s) {
-        const glm::vec3 straight = received(sensors.walls[s], exitance),
-                        byWalls = received(sensors.near[s].walls, exitance);
+        const Received straight = received(sensors.walls[s], reflection_.cells(), exitance),
+                       byWalls = received(sensors.near[s].walls, reflection_.cells(), exitance);
         LightParts& parts = moment.sensors[s];
-        parts.ground += straight;
-        parts.interreflected += byWalls;
-        parts.error += kReflectedError * static_cast<float>(photometric(straight + byWalls));
+        parts.ground += straight.lux;
+        parts.interreflected += byWalls.lux;
+        parts.error += straight.unsure + byWalls.unsure;
     }
 }
 

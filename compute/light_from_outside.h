@@ -79,8 +79,8 @@ private:
     std::vector<glm::vec3> outsideExitance(const daylight::Sky& sky, const SunPatches* sun) const;
     void reflect(Moment& moment, const daylight::Sky& sky, const SensorGather& sensors,
                  const SunPatches* sun) const;
-    static void reflectAtSensors(Moment& moment, std::span<const glm::vec3> exitance,
-                                 const SensorGather& sensors);
+    void reflectAtSensors(Moment& moment, std::span<const glm::vec3> exitance,
+                          const SensorGather& sensors) const;
     void sunOn(Moment& moment, const daylight::SunDisc& disc, const SensorGather& sensors,
                const SunPatches& sun) const;
     void sunAtSensors(Moment& moment, const SunPatches& sun, std::span<const SunlitParts> partly,

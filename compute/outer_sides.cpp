@@ -150,14 +150,15 @@ OutsideRays::OutsideRays(std::span<const ConvexRegion> regions, double tolerance
     for (const ConvexRegion& region : regions) normals_.push_back(normalOf(region));
 }
 
-size_t OutsideRays::frontMet(dvec3 from, dvec3 way) const {
+OutsideRays::Met OutsideRays::firstMet(dvec3 from, dvec3 way) const {
     double nearest = std::numeric_limits<double>::infinity();
     size_t met = SIZE_MAX;
     tree_.anyAlong(from, way, nearest, [&](uint32_t k) {
         const std::vector<dvec3>& corners = regions_[k].corners;
         const double towards = glm::dot(way, normals_[k]),
                      along = glm::dot(corners[0] - from, normals_[k]) / towards;
-        if (!(along > 0 && along < nearest)) return false;
+        // Of the two sides of a sheet the front is met, whichever rounding has first.
+        if (!(along > 0 && along < nearest + (towards < 0 ? tolerance_ : -tolerance_))) return false;
         const dvec3 p = from + along * way;
         for (size_t c = 0; c < corners.size(); ++c)
             if (glm::dot(glm::cross(corners[(c + 1) % corners.size()] - corners[c], p - corners[c]),
@@ -166,7 +167,16 @@ size_t OutsideRays::frontMet(dvec3 from, dvec3 way) const {
         nearest = along, met = towards < 0 ? k : SIZE_MAX;
         return false;
     });
-    return met;
+    return {met, nearest};
+}
+
+double OutsideRays::gapBefore(const ConvexRegion& region) const {
+    const dvec3 normal = normalOf(region);
+    double gap = std::numeric_limits<double>::infinity();
+    for (const dvec3& point : pointsOn(region))
+        if (const Met met = firstMet(point + tolerance_ * normal, normal); met.front != SIZE_MAX)
+            gap = std::min(gap, met.distance);
+    return gap;
 }
 
 std::vector<bool> OutsideRays::seenFrom(std::span<const ConvexRegion> those) const {
@@ -180,7 +190,7 @@ std::vector<bool> OutsideRays::seenFrom(std::span<const ConvexRegion> those) con
         const std::vector<dvec3> ways = raysAbout(normal, rays);
         for (const dvec3& point : pointsOn(one))
             for (const dvec3& way : ways)
-                if (const size_t met = frontMet(point + tolerance_ * normal, way); met != SIZE_MAX)
+                if (const size_t met = firstMet(point + tolerance_ * normal, way).front; met != SIZE_MAX)
                     seen[met] = true;
     }
     return seen;

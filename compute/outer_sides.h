@@ -43,10 +43,16 @@ public:
     // For each region, whether the front of one of these sees its front: by 2048 rays from the middle of each
     // and from beside its corners, by fewer where there would be more than 200,000, but sixteen.
     std::vector<bool> seenFrom(std::span<const ConvexRegion> those) const;
+    // Metres straight before this one to the nearest front, from the same places; infinite where there is
+    // none.
+    double gapBefore(const ConvexRegion& region) const;
 
 private:
-    // What the ray meets first, SIZE_MAX where that is a back or nothing.
-    size_t frontMet(glm::dvec3 from, glm::dvec3 way) const;
+    struct Met {
+        size_t front = SIZE_MAX; // none where that is a back or nothing
+        double distance = 0;
+    };
+    Met firstMet(glm::dvec3 from, glm::dvec3 way) const;
 
     std::span<const ConvexRegion> regions_;
     std::vector<glm::dvec3> normals_;

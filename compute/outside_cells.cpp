@@ -9,6 +9,7 @@
 #include "compute/view_cells.h"
 #include "geometry/bounds.h"
 #include "geometry/clip_polygon.h"
+#include "geometry/extent.h"
 
 namespace heliodon::compute {
 
@@ -17,20 +18,11 @@ using glm::dvec3;
 namespace {
 
 constexpr double kCoarser = 1.5; // cells, at a time
-
-struct Extent {
-    double low = 1e300, high = -1e300;
-    double length() const { return high - low; }
-};
-
-Extent extentAlong(std::span<const dvec3> polygon, dvec3 axis) {
-    Extent extent;
-    for (const dvec3& p : polygon) {
-        const double at = glm::dot(p, axis);
-        extent.low = std::min(extent.low, at), extent.high = std::max(extent.high, at);
-    }
-    return extent;
-}
+constexpr double kRowsLast = 4;  // how much coarser cells get along boards before they do across
+constexpr double kRounding = 1e-3;
+// Of what a cell sends: what cells and black glass leave; of boards, each time that cells are made coarser
+// (docs/accuracy.md).
+constexpr double kUnsure = 0.04, kUnsureOfBoards = 0.08, kMostUnsure = 1;
 
 } // namespace
 
@@ -67,27 +59,33 @@ void OutsideCells::cutAll(const geometry::PatchMesh& mesh, std::span<const Conve
     if (!openings.empty())
         plans = outsidePlans(mesh, {std::span(regions_).first(standing_), regions_, linings_}, openings,
                              tooMany_);
-    double coarser = 1;
-    do {
-        cutAll(plans, coarser);
-        coarser *= kCoarser;
-    } while (cells_.size() > std::max(kMostCells, plans.size()));
+    const bool boards =
+        std::ranges::any_of(plans, [](const OutsidePlan& plan) { return plan.board.has_value(); });
+    const size_t most = std::max(boards ? kMostOfBoards : kMostCells, plans.size());
+    for (double coarser = 1; !cutAll(plans, coarser, most);) coarser *= kCoarser;
 }
 
-void OutsideCells::cutAll(std::span<const OutsidePlan> plans, double coarser) {
+// False where there are more than `most`.
+bool OutsideCells::cutAll(std::span<const OutsidePlan> plans, double coarser, size_t most) {
     nodes_.clear(), cells_.clear();
     roots_.assign(regions_.size(), kNone);
     for (const OutsidePlan& plan : plans) {
-        roots_[plan.region] = cut(regions_[plan.region].corners, plan, coarser);
-        if (cells_.size() > std::max(kMostCells, plans.size())) return;
+        roots_[plan.region] = cut(regions_[plan.region].corners, plan, coarser, most);
+        if (cells_.size() > most) return false;
     }
+    return true;
 }
 
-uint32_t OutsideCells::cut(std::vector<dvec3> polygon, const OutsidePlan& plan, double coarser) {
-    const Extent alongU = extentAlong(polygon, plan.u), alongV = extentAlong(polygon, plan.v);
-    const bool isWide = alongU.length() >= alongV.length();
-    const Extent& extent = isWide ? alongU : alongV;
-    const double longest = plan.longest(geometry::boundsOf(polygon));
+uint32_t OutsideCells::cut(std::vector<dvec3> polygon, const OutsidePlan& plan, double coarser, size_t most) {
+    const geometry::Extent alongU = geometry::extentAlong(polygon, plan.u),
+                           alongV = geometry::extentAlong(polygon, plan.v);
+    const double longest = coarser * plan.longest(geometry::boundsOf(polygon)),
+                 row = plan.board ? std::min(longest, plan.board->row * std::max(1.0, coarser / kRowsLast))
+                                  : longest,
+                 overU = alongU.length() / (plan.board && plan.board->isSquare ? row : longest),
+                 overV = alongV.length() / row;
+    const bool isWide = overU >= overV;
+    const geometry::Extent& extent = isWide ? alongU : alongV;
     const auto own = static_cast<uint32_t>(nodes_.size());
     Node& node = nodes_.emplace_back();
     node.normal = isWide ? plan.u : plan.v, node.offset = 0.5 * (extent.low + extent.high);
@@ -99,17 +97,19 @@ uint32_t OutsideCells::cut(std::vector<dvec3> polygon, const OutsidePlan& plan, 
                 return sign * (glm::dot(p, node.normal) - node.offset);
             },
             halves[beyond]);
-    if (extent.length() <= coarser * longest || halves[0].empty() || halves[1].empty() ||
-        cells_.size() > kMostCells) {
+    if (std::max(overU, overV) <= 1 + kRounding || halves[0].empty() || halves[1].empty() ||
+        cells_.size() > most) {
         node.cell = static_cast<uint32_t>(cells_.size());
         const dvec3 centre = viewCell(polygon, plan.normal).centre;
         std::vector<MaterialShare> materials{{regions_[plan.region].group, 1}};
         if (isOfRooms(plan.region)) materials = materialsOn(polygon, plan.linings);
-        cells_.push_back({std::move(polygon), centre, plan.normal, plan.region, std::move(materials)});
+        const double unsure = plan.board ? std::min(kUnsureOfBoards * coarser, kMostUnsure) : kUnsure;
+        cells_.push_back({std::move(polygon), centre, plan.normal, plan.region, static_cast<float>(unsure),
+                          std::move(materials)});
         return own;
     }
     for (const size_t beyond : {0u, 1u}) { // which moves the nodes
-        const uint32_t child = cut(std::move(halves[beyond]), plan, coarser);
+        const uint32_t child = cut(std::move(halves[beyond]), plan, coarser, most);
         nodes_[own].child[beyond] = child;
     }
     return own;

@@ -21,6 +21,7 @@ struct OutsideCell {
     std::vector<glm::dvec3> corners; // convex, world, counter-clockwise seen from the air
     glm::dvec3 centre, normal;
     uint32_t region;
+    float unsure;                         // share of its exitance, for being lit unevenly
     std::vector<MaterialShare> materials; // what is missing to one, as glass, is black
 };
 
@@ -34,7 +35,8 @@ void mergeShares(std::vector<OutsideShare>& shares);
 
 class OutsideCells {
 public:
-    static constexpr size_t kMostCells = 2048;
+    static constexpr size_t kMostCells = 2048,
+                            kMostOfBoards = 2 * kMostCells; // the latter where there are any
 
     OutsideCells() = default;
     // Regions are those that stand outside and, after them, the outer sides of rooms, if any of these lies
@@ -43,7 +45,8 @@ public:
     // than a quarter of its distance from the nearest opening, of those that its front looks at, or than an
     // eighth of that opening's root of the area; where it looks at none, what it lights stands for openings
     // if it is an outer side, else all openings; where there would be more than kMostCells, than some times
-    // as much. `walls`: of all rooms, facing inwards.
+    // as much. Boards close before one another have up to eight rows of cells across their depth, which get
+    // wider only where four times as much does not do. `walls`: of all rooms, facing inwards.
     OutsideCells(const geometry::PatchMesh& mesh, std::span<const ConvexRegion> openings,
                  std::span<const ConvexRegion> walls);
 
@@ -77,8 +80,8 @@ private:
                   const PartWork& work) const;
     uint32_t cellBelow(const Node& node, glm::dvec3 point) const;
     void cutAll(const geometry::PatchMesh& mesh, std::span<const ConvexRegion> openings);
-    void cutAll(std::span<const OutsidePlan> plans, double coarser);
-    uint32_t cut(std::vector<glm::dvec3> polygon, const OutsidePlan& plan, double coarser);
+    bool cutAll(std::span<const OutsidePlan> plans, double coarser, size_t most);
+    uint32_t cut(std::vector<glm::dvec3> polygon, const OutsidePlan& plan, double coarser, size_t most);
 
     std::vector<ConvexRegion> regions_;
     size_t standing_ = 0; // the first of the regions

@@ -7,6 +7,7 @@
 #include <glm/geometric.hpp>
 
 #include "compute/outer_sides.h"
+#include "geometry/extent.h"
 
 namespace heliodon::compute {
 
@@ -15,6 +16,10 @@ using glm::dvec3;
 namespace {
 
 constexpr double kOfDistance = 0.25, kOfOpening = 0.125; // the longest cell
+// Of boards: how far before one the next may be, in its depths; rows, of which no more than the gap calls
+// for.
+constexpr double kFarthest = 1.3, kMostRows = 8, kOfGap = 0.25;
+constexpr double kSquare = 1.5; // length over depth: up to it light falls off either way
 
 double gap(const geometry::Bounds& a, const geometry::Bounds& b) {
     return glm::length(glm::max(dvec3(0), glm::max(a.low - b.high, b.low - a.high)));
@@ -40,7 +45,7 @@ public:
             std::span<const ConvexRegion> openings)
         : mesh_(mesh), surfaces_(surfaces), openings_(openings),
           samePlane_(kSamePlane * geometry::boundsOf(mesh.vertices).diagonal()),
-          planned_(surfaces.all.size(), false) {}
+          rays_(surfaces.all, samePlane_), planned_(surfaces.all.size(), false) {}
 
     void addStanding() {
         if (mesh_.outside.material.empty()) return;
@@ -50,12 +55,11 @@ public:
 
     void addOuterSides() {
         if (surfaces_.all.size() == surfaces_.standing.size()) return;
-        const OutsideRays rays(surfaces_.all, samePlane_);
         std::vector<ConvexRegion> glass(openings_.begin(), openings_.end()), lit;
         for (ConvexRegion& opening : glass) std::ranges::reverse(opening.corners); // as seen from outside
-        for (const size_t r : sidesAmong(rays.seenFrom(glass))) addSide(r, openingsSeenBy(r));
+        for (const size_t r : sidesAmong(rays_.seenFrom(glass))) addSide(r, openingsSeenBy(r));
         for (const OutsidePlan& plan : plans_) lit.push_back(surfaces_.all[plan.region]);
-        for (const size_t r : sidesAmong(rays.seenFrom(lit))) {
+        for (const size_t r : sidesAmong(rays_.seenFrom(lit))) {
             std::vector<OutsidePlan::Target> targets;
             for (const ConvexRegion& other : lit)
                 if (lookAtOneAnother(surfaces_.all[r], other, samePlane_)) targets.push_back(targetOf(other));
@@ -74,7 +78,13 @@ private:
     OutsidePlan& add(size_t r) {
         planned_[r] = true;
         const dvec3 normal = normalOf(surfaces_.all[r]), u = longestSide(surfaces_.all[r].corners);
-        return plans_.emplace_back(static_cast<uint32_t>(r), normal, u, glm::cross(normal, u));
+        OutsidePlan& plan = plans_.emplace_back(static_cast<uint32_t>(r), normal, u, glm::cross(normal, u));
+        const double length = geometry::extentAlong(surfaces_.all[r].corners, u).length(),
+                     height = geometry::extentAlong(surfaces_.all[r].corners, plan.v).length(),
+                     depth = std::min(length, height), gap = rays_.gapBefore(surfaces_.all[r]);
+        if (gap <= kFarthest * depth)
+            plan.board = {std::max(depth / kMostRows, kOfGap * gap), length < kSquare * height};
+        return plan;
     }
 
     void addSide(size_t r, std::vector<OutsidePlan::Target> targets) {
@@ -117,6 +127,7 @@ private:
     const OutsideSurfaces& surfaces_;
     std::span<const ConvexRegion> openings_;
     double samePlane_; // metres
+    OutsideRays rays_;
     std::vector<bool> planned_;
     std::vector<OutsidePlan> plans_;
 };

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -23,6 +24,13 @@ struct OutsidePlan {
     glm::dvec3 normal, u, v;                  // right-handed: u along its longest side, v, normal
     std::vector<const ConvexRegion*> linings; // of an outer side of rooms: what lies in its plane
     std::vector<Target> targets;
+    // Of boards close before one another, as louvres are: light between them falls off across their depth,
+    // and along them it changes little.
+    struct Board {
+        double row;    // metres, how wide a cell may be along v
+        bool isSquare; // and along u
+    };
+    std::optional<Board> board;
     double longest(const geometry::Bounds& box) const; // metres, of a cell in the box
 };
 
