@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <set>
+#include <string>
 
 #include <fmt/format.h>
 #include <glm/geometric.hpp>
@@ -10,6 +11,7 @@
 #include "geometry/counted.h"
 #include "geometry/disjoint_sets.h"
 #include "geometry/ground_in_rooms.h"
+#include "geometry/lower_case.h"
 #include "geometry/outline_area.h"
 #include "geometry/room_measures.h"
 
@@ -23,81 +25,136 @@ constexpr double kApart = 0.5;  // metres of building: thicker than walls betwee
 constexpr double kHigher = 1.0; // the same
 constexpr double kLarger = 2;
 constexpr double kOneWay = 0.5; // of its area: as SpacePart::looksIn() has it
+constexpr double kLevel = 0.9;  // of a normal
 
 struct DarkOrNot {
     Bounds box{dvec3(1e300), dvec3(-1e300)};
     bool hasGlass = false;
-    uint32_t surface = 0;
+    uint32_t surface = 0;         // of its first face, its number in the file
     double area = 0, inwards = 0; // of opaque faces; less what looks out
     double volume = 0;
+    std::set<uint32_t> floors, others; // materials
+    std::set<std::string> names;       // of objects
 
     bool looksIn() const { return inwards > kOneWay * area; }
     bool looksOut() const { return inwards < -kOneWay * area; }
 };
 
-} // namespace
-
-std::vector<DoubtfulRoom> doubtfulRooms(const ModelRooms& rooms, const std::function<bool(uint32_t)>& isGlass,
-                                        const std::function<dvec3(uint32_t)>& drawn,
-                                        double worldPerBuilding) {
+std::vector<DarkOrNot> roomsByGlass(const ModelRooms& rooms, const RawModel& model) {
     const Building& building = rooms.building;
-    if (building.roomCount < 2) return {};
     std::vector<DarkOrNot> all(building.roomCount);
     for (size_t f = building.faces.size(); f-- > 0;) {
         const Face& face = building.faces[f];
         DarkOrNot& room = all[face.room];
-        room.surface = rooms.source[f];
+        const uint32_t drawn = rooms.source[f];
+        room.surface = drawn;
+        room.names.insert(model.object[model.group[drawn]]);
         for (const uint32_t v : face.loops[0])
             room.box = {glm::min(room.box.low, building.vertices[v]),
                         glm::max(room.box.high, building.vertices[v])};
-        if (isGlass(face.material)) {
+        if (model.materials[face.material].isOpening()) {
             room.hasGlass = true;
             continue;
         }
-        const dvec3 area = areaVector(building.vertices, face.loops[0]);
-        room.area += glm::length(area);
-        room.inwards += glm::dot(area, drawn(rooms.source[f])) < 0 ? -glm::length(area) : glm::length(area);
+        const dvec3 normal = areaVector(building.vertices, face.loops[0]);
+        const double area = glm::length(normal);
+        (normal.y > kLevel * area ? room.floors : room.others).insert(face.material);
+        room.area += area;
+        room.inwards += glm::dot(normal, areaVector(model.vertices, model.face(drawn))) < 0 ? -area : area;
     }
-    DarkOrNot light; // all that have glass
     const std::vector<RoomMeasures> measures = measureRooms(ownTriangles(building));
-    DisjointSets near(building.roomCount);
     for (uint32_t r = 0; r < building.roomCount; ++r) {
         all[r].volume = measures[r].volume;
-        for (uint32_t o = 0; o < r; ++o)
-            if (all[r].box.isNear(all[o].box, kApart * worldPerBuilding)) near.join(r, o);
-        if (!all[r].hasGlass) continue;
+        for (const uint32_t material : all[r].others) all[r].floors.erase(material);
+    }
+    return all;
+}
+
+// All that have glass as one.
+DarkOrNot litAmong(const std::vector<DarkOrNot>& rooms) {
+    DarkOrNot light;
+    for (const DarkOrNot& room : rooms) {
+        if (!room.hasGlass) continue;
         light.hasGlass = true;
-        light.box = united(light.box, all[r].box);
-        light.volume += all[r].volume, light.area += all[r].area, light.inwards += all[r].inwards;
+        light.box = united(light.box, room.box);
+        light.volume += room.volume, light.area += room.area, light.inwards += room.inwards;
+        light.floors.insert(room.floors.begin(), room.floors.end());
+        light.names.insert(room.names.begin(), room.names.end());
     }
-    if (!light.hasGlass) return {};
+    return light;
+}
+
+// Per room, whether it hangs together with one that has glass.
+std::vector<bool> areNearGlass(const std::vector<DarkOrNot>& rooms, double apart) {
+    const auto count = static_cast<uint32_t>(rooms.size());
+    DisjointSets near(count);
+    for (uint32_t r = 0; r < count; ++r)
+        for (uint32_t o = 0; o < r; ++o)
+            if (rooms[r].box.isNear(rooms[o].box, apart)) near.join(r, o);
     std::set<uint32_t> lit; // wholes that hang together
-    for (uint32_t r = 0; r < building.roomCount; ++r)
-        if (all[r].hasGlass) lit.insert(near.root(r));
-    std::vector<DoubtfulRoom> out;
-    for (uint32_t r = 0; r < building.roomCount; ++r) {
-        const DarkOrNot& room = all[r];
-        if (room.hasGlass || (isMuchLarger(room.box, light.box) && room.box.low.y < light.box.low.y))
-            continue;
-        if ((room.looksIn() && light.looksOut()) || (room.looksOut() && light.looksIn()))
-            out.push_back({room.surface, "its faces look the other way than those of rooms with glass"});
-        else if (!lit.contains(near.root(r)))
-            out.push_back({room.surface, "it stands apart from all rooms with glass"});
-        else if (room.box.high.y > light.box.high.y + kHigher * worldPerBuilding &&
-                 room.volume > kLarger * light.volume)
-            out.push_back({room.surface, "it is higher and larger than all rooms with glass"});
-    }
+    for (uint32_t r = 0; r < count; ++r)
+        if (rooms[r].hasGlass) lit.insert(near.root(r));
+    std::vector<bool> out;
+    for (uint32_t r = 0; r < count; ++r) out.push_back(lit.contains(near.root(r)));
     return out;
 }
 
-std::string warningOf(const std::vector<DoubtfulRoom>& rooms,
-                      const std::function<std::string(uint32_t)>& place) {
+bool isSaidToBeRoom(const DarkOrNot& room, const DarkOrNot& light) {
+    const auto meet = [](const auto& some, const auto& others) {
+        return std::ranges::any_of(some, [&](const auto& one) { return others.contains(one); });
+    };
+    if (meet(room.floors, light.floors)) return true;
+    return !meet(room.names, light.names) && std::ranges::all_of(room.names, [](const std::string& name) {
+        return lowered(name).find("\"room") != std::string::npos;
+    });
+}
+
+std::string warningOf(size_t count, const std::string& place, const char* why) {
     return fmt::format(
         "{} without glass {} taken as {} (the first, with the face at {}: {}): is it a neighbouring "
         "building or another solid? The faces of these have to look out of them, where those "
-        "of rooms look in",
-        counted(rooms.size(), "space"), rooms.size() == 1 ? "was" : "were",
-        rooms.size() == 1 ? "a room" : "rooms", place(rooms[0].surface), rooms[0].why);
+        "of rooms look in (an object with a name that begins with \"room\" is one)",
+        counted(count, "space"), count == 1 ? "was" : "were", count == 1 ? "a room" : "rooms", place, why);
+}
+
+} // namespace
+
+std::vector<std::string> warningsOfDarkRooms(const ModelRooms& rooms, const RawModel& model,
+                                             double worldPerBuilding, double tolerance) {
+    if (rooms.building.roomCount < 2) return {};
+    const std::vector<DarkOrNot> all = roomsByGlass(rooms, model);
+    const DarkOrNot light = litAmong(all);
+    if (!light.hasGlass) return {};
+    const std::vector<bool> nearGlass = areNearGlass(all, kApart * worldPerBuilding);
+    std::vector<std::string> out;
+    size_t doubtful = 0;
+    const DarkOrNot* first = nullptr;
+    const char* whyFirst = nullptr;
+    const auto whyNone = [&](const DarkOrNot& room, bool isNear) {
+        if ((room.looksIn() && light.looksOut()) || (room.looksOut() && light.looksIn()))
+            return "its faces look the other way than those of rooms with glass";
+        if (!isNear) return "it stands apart from all rooms with glass";
+        if (room.box.high.y > light.box.high.y + kHigher * worldPerBuilding &&
+            room.volume > kLarger * light.volume)
+            return "it is higher and larger than all rooms with glass";
+        return "a solid beside rooms with glass may be drawn just so";
+    };
+    for (size_t r = 0; r < all.size(); ++r) {
+        const DarkOrNot& room = all[r];
+        if (room.hasGlass) continue;
+        if (isMuchLarger(room.box, light.box) && room.box.low.y < light.box.low.y - tolerance) {
+            out.push_back(fmt::format(
+                "a space without glass (of {} and others), much larger than all rooms with glass and "
+                "reaching below them, was taken as a room: is it the ground, with faces that look in?",
+                model.place(room.surface)));
+            continue;
+        }
+        if (isSaidToBeRoom(room, light)) continue;
+        const char* why = whyNone(room, nearGlass[r]);
+        if (doubtful++ == 0) first = &room, whyFirst = why;
+    }
+    if (first) out.push_back(warningOf(doubtful, model.place(first->surface), whyFirst));
+    return out;
 }
 
 } // namespace heliodon::geometry

@@ -316,17 +316,10 @@ private:
             judge(sheets, solidsAmong(faces.soup, *out), false, *out);
         }
         leaveOutSmallRooms(*out);
-        warnOfDarkRooms(*out);
+        std::ranges::move(
+            warningsOfDarkRooms(*out, model_, worldPerBuilding(model_.vertices), kPlanarOfExtent * extent_),
+            std::back_inserter(out->building.warnings));
         return std::move(*out);
-    }
-
-    void warnOfDarkRooms(ModelRooms& rooms) const {
-        const auto drawn = [&](uint32_t f) { return areaVector(model_.vertices, model_.face(f)); };
-        const std::vector<DoubtfulRoom> dark =
-            doubtfulRooms(rooms, isGlass_, drawn, worldPerBuilding(model_.vertices));
-        if (!dark.empty())
-            rooms.building.warnings.push_back(
-                geometry::warningOf(dark, [&](uint32_t f) { return model_.place(f); }));
     }
 
     void leaveOutSmallRooms(ModelRooms& rooms) const {

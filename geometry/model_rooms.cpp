@@ -17,7 +17,6 @@
 #include "geometry/face_soup.h"
 #include "geometry/faces_on_faces.h"
 #include "geometry/glass_pairs.h"
-#include "geometry/ground_in_rooms.h"
 #include "geometry/hole_size.h"
 #include "geometry/input_error.h"
 #include "geometry/model_file.h"
@@ -95,34 +94,7 @@ private:
         for (const auto& [material, doubt] : model_.doubts)
             if (isUsed(material)) building_.warnings.push_back(doubt);
         building_.warnings.insert(building_.warnings.end(), faces_.warnings.begin(), faces_.warnings.end());
-        warnOfGround();
         return {std::move(building_), std::move(source_), std::move(sheets_)};
-    }
-
-    // Rooms without windows that are as large and low beside those with as the ground.
-    void warnOfGround() {
-        const Bounds none{glm::dvec3(1e300), glm::dvec3(-1e300)};
-        std::vector<Bounds> boxes(building_.roomCount, none);
-        std::vector<bool> hasGlass(building_.roomCount, false);
-        std::vector<uint32_t> first(building_.roomCount, 0);
-        for (size_t f = building_.faces.size(); f-- > 0;) {
-            const Face& face = building_.faces[f];
-            Bounds& box = boxes[face.room];
-            for (const uint32_t v : face.loops[0])
-                box = {glm::min(box.low, building_.vertices[v]), glm::max(box.high, building_.vertices[v])};
-            if (isOpening(source_[f])) hasGlass[face.room] = true;
-            first[face.room] = source_[f];
-        }
-        Bounds house = none;
-        for (uint32_t r = 0; r < building_.roomCount; ++r)
-            if (hasGlass[r]) house = united(house, boxes[r]);
-        for (uint32_t r = 0; r < building_.roomCount; ++r)
-            if (!hasGlass[r] && house.low.x < house.high.x && isMuchLarger(boxes[r], house) &&
-                boxes[r].low.y < house.low.y - kPlanarOfExtent * extent_)
-                building_.warnings.push_back(fmt::format(
-                    "a space without glass (of {} and others), much larger than all rooms with glass and "
-                    "reaching below them, was taken as a room: is it the ground, with faces that look in?",
-                    model_.place(first[r])));
     }
 
     void finish() {

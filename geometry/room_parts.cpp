@@ -68,7 +68,7 @@ private:
     // share faces that look out of them.
     bool isBodyOutside(const SpacePart& part, const SpacePart& largest) const {
         if (part.glass > 0 || largest.window == 0) return false;
-        if (contrary(part, largest)) return true;
+        if (contrary(part, largest) || (insideOut_ && part.looksIn())) return true;
         if (largest.looksOut() || !part.looksOut()) return false;
         const Bounds box = part.box(), house = boxOfWindows();
         return box.low.y < house.low.y - tolerance_ && isMuchLarger(box, house);
@@ -196,10 +196,10 @@ private:
     // and the outside is its walls where nothing but that and glass parts the rooms from the outside, unless
     // its faces look as theirs do; where several parts do, or floors and ceilings are drawn without
     // thickness, it must look out, and in the latter case reach as far as the rooms all round.
-    std::vector<uint32_t> wallsOfWindows(const std::vector<uint32_t>& parts) const {
+    std::vector<uint32_t> wallsOfWindows(const std::vector<uint32_t>& parts) {
         std::vector<uint32_t> rooms, walls;
         Bounds all{dvec3(1e300), dvec3(-1e300)};
-        bool open = false, lookIn = true;
+        bool open = false, lookIn = true, lookOut = true;
         double largest = 0; // what is small beside it, as bars of a frame, is found with other solids
         for (const uint32_t id : parts) {
             const SpacePart& part = partOf(id);
@@ -207,7 +207,7 @@ private:
             rooms.push_back(id);
             all = united(all, part.box());
             open |= part.open > kNothing * part.area;
-            lookIn &= part.looksIn();
+            lookIn &= part.looksIn(), lookOut &= part.looksOut();
             largest = std::max(largest, part.volume);
         }
         for (const uint32_t id : parts) {
@@ -221,6 +221,7 @@ private:
         }
         if (open || walls.size() > 1)
             std::erase_if(walls, [&](uint32_t id) { return !lookIn || !partOf(id).looksOut(); });
+        for (const uint32_t id : walls) insideOut_ |= lookOut && partOf(id).looksIn();
         return walls;
     }
 
@@ -337,6 +338,7 @@ private:
         found_; // solids that stand against walls or floors: of the largest part's volume
     size_t solids_ = 0, solidsOutside_ = 0; // of these; the latter with bodies of their own
     double largestSolid_ = 0;
+    bool insideOut_ = false;            // rooms and the walls round them are drawn so, as all else then is
     size_t outsides_ = 0;               // of walls with a thickness
     size_t contrary_ = 0, insides_ = 0; // rooms whose faces look out, or that stand in others
 };

@@ -29,9 +29,10 @@ TEST(DarkRooms, neighbours_that_look_like_rooms_are_told) {
             Drawing turned(over); // all of it, but the neighbour once more
             turned.room(0, -1, true);
             solid(turned, {4 + gap, -0.2, -1}, {5, 2, 5}, !over);
-            EXPECT_EQ(told(turned, 2, over ? "its faces look the other way" : "it stands apart"),
-                      over || gap > 1 ? 1u : 0u)
-                << gap << over;
+            const char* why = over      ? "its faces look the other way"
+                              : gap > 1 ? "it stands apart"
+                                        : "a solid beside rooms with glass may be drawn just so";
+            EXPECT_EQ(told(turned, 2, why), 1u) << gap << over;
         }
     for (const double gap : {0.0, 0.2}) {
         Drawing tall(false);
@@ -41,14 +42,62 @@ TEST(DarkRooms, neighbours_that_look_like_rooms_are_told) {
     }
 }
 
+// However near and low: nothing tells a block from a room that is drawn as it is.
+TEST(DarkRooms, blocks_as_rooms_are_drawn_are_told) {
+    for (const double gap : {0.1, 0.3})
+        for (const double high : {1.2, 2.5, 3.0})
+            for (const bool over : {false, true}) {
+                Drawing drawing(over);
+                drawing.room(0, -1, true);
+                solid(drawing, {4 + gap, 0, 0}, {3, high, 5}, true);
+                EXPECT_EQ(told(drawing, 2, "a solid beside"), 1u) << gap << high << over;
+            }
+}
+
 TEST(DarkRooms, rooms_without_windows_are_rooms) {
     for (const bool over : {false, true})
-        for (const double gap : {0.0, 0.3}) {
-            Drawing drawing(over);
-            drawing.room(0, -1, true);
-            drawing.room(4 + gap, -1, false), drawing.room(8 + 2 * gap, -1, false);
-            EXPECT_EQ(told(drawing, 3, ""), 0u) << gap << over;
+        for (const double gap : {0.0, 0.3})
+            for (const bool named : {false, true}) {
+                Drawing drawing(over);
+                const auto room = [&](const char* name, double left, bool window) {
+                    if (named) drawing.object(name);
+                    drawing.room(left, -1, window);
+                };
+                if (!named) drawing.floor = "paint";
+                room("hall", 0, true), room("Room 1", 4 + gap, false), room("room2", 8 + 2 * gap, false);
+                EXPECT_EQ(told(drawing, 3, ""), 0u) << gap << over << named;
+            }
+}
+
+TEST(DarkRooms, what_says_nothing_of_rooms_does_not_tell_them) {
+    for (const bool named : {false, true}) {
+        Drawing drawing(false);
+        if (named) drawing.object("rooms"); // both
+        drawing.room(0, -1, true);
+        if (!named) drawing.floor = "paint"; // as no room with glass has it
+        drawing.room(4.3, -1, false);
+        EXPECT_EQ(told(drawing, 2, "a solid beside"), 1u) << named;
+    }
+}
+
+// Walls with a thickness say which way all else is drawn.
+TEST(DarkRooms, models_inside_out_with_thick_walls_keep_neighbours_outside) {
+    for (const bool over : {false, true}) {
+        Drawing drawing(over);
+        drawing.room(0, -1, true);
+        const double t = 0.3;
+        const auto outer = Drawing::sidesOf(dvec3(-t), {4 + 2 * t, 2.5 + 2 * t, 5 + 2 * t});
+        for (size_t k = 0; k < 5; ++k) drawing.sheet(outer[k][0], outer[k][2], outer[k][1]);
+        const std::array<dvec3, 4> wall{
+            dvec3(-t, -t, -t), {-t, 2.5 + t, -t}, {4 + t, 2.5 + t, -t}, {4 + t, -t, -t}},
+            hole{dvec3(1, 0.8, -t), {1, 2, -t}, {3, 2, -t}, {3, 0.8, -t}};
+        for (size_t k = 0; k < 4; ++k) {
+            drawing.face("wall", {wall[k], wall[(k + 1) % 4], hole[(k + 1) % 4], hole[k]});
+            drawing.sheet(hole[k], hole[(k + 1) % 4] - hole[k], {0, 0, t}); // reveal
         }
+        solid(drawing, {4.5, 0, 0}, {3, 2, 4});
+        EXPECT_EQ(told(drawing, 1, ""), 0u) << over;
+    }
 }
 
 } // namespace heliodon::geometry

@@ -27,9 +27,10 @@ using glm::dvec3;
 
 class Drawing {
 public:
-    double deep = 5;        // rooms are
-    bool twoSided = false;  // each face once a side
-    bool triangles = false; // as most programs write
+    double deep = 5;            // rooms are
+    bool twoSided = false;      // each face once a side
+    bool triangles = false;     // as most programs write
+    const char* floor = "wall"; // the material of rooms' floors
 
     // All faces turned over: drawn to be seen from outside, as some programs do. In so many units a metre.
     explicit Drawing(bool over, double units = 1) : over_(over), units_(units) {
@@ -43,6 +44,8 @@ public:
     }
     Drawing(const Drawing&) = delete;
     Drawing& operator=(const Drawing&) = delete;
+
+    void object(const char* name) { out_ << "o " << name << '\n'; }
 
     void face(const char* material, std::vector<dvec3> corners) {
         if (triangles && corners.size() > 3) {
@@ -71,7 +74,9 @@ public:
     }
 
     // Looks along u x v.
-    void sheet(dvec3 o, dvec3 u, dvec3 v) { face("wall", {o, o + u, o + u + v, o + v}); }
+    void sheet(dvec3 o, dvec3 u, dvec3 v, const char* material = "wall") {
+        face(material, {o, o + u, o + u + v, o + v});
+    }
 
     // sidesOf(), each smaller by `gap` all round, without that of number `without`.
     void room(double left, int without, bool window, double gap = 0, double base = 0, double sill = 0.8) {
@@ -80,7 +85,7 @@ public:
         for (int k = 0; k < (window ? 5 : 6); ++k) {
             const auto [at, u, v] = sides[static_cast<size_t>(k)];
             const dvec3 du = gap * glm::normalize(u), dv = gap * glm::normalize(v);
-            if (k != without) sheet(at + du + dv, u - 2.0 * du, v - 2.0 * dv);
+            if (k != without) sheet(at + du + dv, u - 2.0 * du, v - 2.0 * dv, k == 0 ? floor : "wall");
         }
         if (!window) return;
         const std::array<dvec3, 4> wall{o, o + x, o + x + y, o + y},
