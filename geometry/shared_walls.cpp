@@ -47,7 +47,8 @@ public:
               double tolerance, const SpaceParts& space, const RoomParts& rooms)
         : faces_(faces), isGlass_(isGlass), tolerance_(tolerance), space_(space), rooms_(rooms) {}
 
-    // None where it is unclear what is seen, or where nothing lies or ends on another.
+    // None where it is unclear what is seen, or where nothing lies or ends on another, or touches it in an
+    // edge.
     std::optional<SharedWalls> answer() {
         SharedWalls out;
         out.rooms = rooms_.count;
@@ -82,6 +83,8 @@ public:
         out.unseen.assign(unseen_.begin(), unseen_.end());
         out.outside = weldFaces(outside, 1, tolerance_);
         out.sheets = openAmong(out.sheets, tolerance_);
+        if (out.repairs.empty() && out.warnings.empty() && touchInEdges())
+            out.repairs.emplace_back("rooms and solids that touch in an edge alone were kept apart");
         if (unclear_ || (out.repairs.empty() && out.warnings.empty())) return std::nullopt;
         return out;
     }
@@ -156,6 +159,11 @@ private:
             face.room = room->second;
             inRooms.push_back(std::move(face));
         }
+    }
+
+    bool touchInEdges() const {
+        return std::ranges::any_of(facesOfEdges(space_.welded),
+                                   [](const auto& entry) { return entry.second.size() > 2; });
     }
 
     std::vector<std::string> repairs(size_t shared, size_t meeting) const {

@@ -56,6 +56,21 @@ TEST(PinchedShells, boxes_that_touch_in_an_edge_or_a_corner) {
     });
 }
 
+// Boxes of sheets: the edge has two faces of each, whichever way they look.
+TEST(PinchedShells, rooms_that_touch_in_an_edge_alone) {
+    for (const bool over : {false, true})
+        for (const bool looksIn : {false, true}) {
+            Drawing drawing(over);
+            drawing.room(0, -1, true);
+            solid(drawing, {4, 0, 5}, {3, 2.5, 3}, looksIn);
+            const Building building = drawing.read();
+            const bool isSolid = !over && !looksIn; // else it is told that it may be
+            EXPECT_EQ(building.roomCount, isSolid ? 1u : 2u) << over << looksIn;
+            EXPECT_EQ(building.warnings.size(), 1u) << over << looksIn;
+            EXPECT_NEAR(volume(meshBuilding(building, {300})), 50 + (isSolid ? 0 : 22.5), 1e-4);
+        }
+}
+
 TEST(PinchedShells, stairs_of_blocks) {
     expectCutOut("stairs", 5 * 0.3 * 0.2, [](Drawing& drawing) {
         for (int k = 0; k < 5; ++k) solid(drawing, {1 + 0.3 * k, 0.2 * k, 2}, {0.3, 0.2, 1});
