@@ -22,6 +22,7 @@
 #include "geometry/outline_area.h"
 #include "geometry/sheet_rooms.h"
 #include "geometry/shell_faces.h"
+#include "geometry/shell_nesting.h"
 #include "geometry/triangle_rays.h"
 
 namespace heliodon::geometry {
@@ -84,14 +85,8 @@ public:
 private:
     struct Body {
         bool isClosed = true, hasGlass = false;
-        double volume = 0; // below 0 where the faces look in
+        double volume = 0; // as volumeWithin() has it
         std::vector<ShellTriangle> triangles;
-
-        void add(const ShellTriangle& t) {
-            const dvec3 origin = triangles.empty() ? t.a : triangles[0].a;
-            volume += glm::dot(t.a - origin, glm::cross(t.b - origin, t.c - origin)) / 6;
-            triangles.push_back(t);
-        }
     };
 
     class Solid {
@@ -173,25 +168,27 @@ private:
             if (times != std::pair(2, 0)) bodies[run.first].isClosed = false;
         for (const FlatFace& face : faces_) {
             body_.push_back(bodyOf[face.surface]);
-            for (const ShellTriangle& t : face.triangles) bodies[body_.back()].add(t);
+            auto& all = bodies[body_.back()].triangles;
+            all.insert(all.end(), face.triangles.begin(), face.triangles.end());
         }
         bodies.erase(kNone);
+        for (auto& [root, body] : bodies) body.volume = volumeWithin(body.triangles);
         findSolids(bodies);
     }
 
     void findSolids(std::map<uint32_t, Body>& bodies) {
         const auto isSolid = [](const Body& body) {
-            return body.isClosed && !body.hasGlass && body.volume > 0;
+            return body.isClosed && !body.hasGlass && body.volume < 0;
         };
         for (const auto& [root, body] : bodies)
             if (isSolid(body)) solids_.try_emplace(root, body.triangles, tolerance_);
         std::map<uint32_t, uint32_t> cavityOf; // the least that is round it: a house with walls
         for (const auto& [root, body] : bodies) {
-            if (!body.isClosed || body.volume >= 0) continue;
+            if (!body.isClosed || body.volume <= 0) continue;
             uint32_t around = kNone;
             for (const auto& [number, solid] : solids_)
                 if (isRound(solid.box(), boxOf(body)) && solid.enclose(body.triangles[0].middle()) &&
-                    (around == kNone || bodies[number].volume < bodies[around].volume))
+                    (around == kNone || bodies[number].volume > bodies[around].volume))
                     around = number;
             if (around != kNone) cavityOf[root] = around;
         }

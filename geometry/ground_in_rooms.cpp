@@ -13,6 +13,7 @@
 #include "geometry/missing_sides.h"
 #include "geometry/outline_area.h"
 #include "geometry/shell_faces.h"
+#include "geometry/shell_nesting.h"
 
 namespace heliodon::geometry {
 
@@ -99,12 +100,8 @@ bool isLevel(const Whole& whole) {
 struct Body {
     Whole whole;
     bool isClosed = true, hasGlass = false, hasWalls = false;
-    double volume = 0; // below 0 where the faces look in
-
-    void add(const FlatFace& face) {
-        for (const ShellTriangle& t : face.triangles)
-            volume += glm::dot(t.a - whole.box.low, glm::cross(t.b - whole.box.low, t.c - whole.box.low)) / 6;
-    }
+    std::vector<ShellTriangle> triangles;
+    double volume = 0; // as volumeWithin() has it
 };
 
 std::map<uint32_t, Body> bodiesOf(const Building& welded, const std::vector<FlatFace>& flat,
@@ -114,13 +111,14 @@ std::map<uint32_t, Body> bodiesOf(const Building& welded, const std::vector<Flat
     std::map<uint32_t, Body*> bodyOf; // by welded face
     for (size_t k = 0; k < flat.size(); ++k) {
         Body& body = bodies.try_emplace(wholes[k].id, Body{.whole = wholes[k]}).first->second;
-        body.add(flat[k]);
+        body.triangles.insert(body.triangles.end(), flat[k].triangles.begin(), flat[k].triangles.end());
         (isGlass(welded.faces[flat[k].face].material) ? body.hasGlass : body.hasWalls) = true;
         bodyOf[flat[k].face] = &body;
     }
     for (const auto& [edge, around] : facesOfEdges(welded))
         if (const auto body = bodyOf.find(around[0]); around.size() != 2 && body != bodyOf.end())
             body->second->isClosed = false;
+    for (auto& [id, body] : bodies) body.volume = volumeWithin(body.triangles);
     return bodies;
 }
 
@@ -174,7 +172,7 @@ std::optional<OpenSheets> openGround(const std::vector<SoupFace>& faces,
         const Body& body = bodies.at(wholes[k].id);
         if (!isGroundBody(body)) continue;
         isGround[flat[k].surface] = true;
-        if ((body.volume > 0 ? 1 : -1) * flat[k].normal.y > kLevel)
+        if ((body.volume < 0 ? 1 : -1) * flat[k].normal.y > kLevel)
             out.open.push_back(faces[flat[k].surface]);
     }
     for (size_t k = 0; k < faces.size(); ++k)

@@ -83,7 +83,10 @@ public:
         return step < kMostRounding * extent_ ? step : 0;
     }
     double extent() const { return extent_; }
-    double inBuilding(double metres) const { return metres / worldPerBuilding(model_.vertices); }
+    // World metres, or a point of the world, in metres of the building.
+    template<class Lengths> Lengths inBuilding(Lengths metres) const {
+        return metres / worldPerBuilding(model_.vertices);
+    }
 
     // Where all else is refused, sheets that stand in rooms are thin boards.
     Building import(const std::function<void()>& beforePart) {
@@ -105,14 +108,13 @@ public:
     void refuseInsideOfWalls(const Building& made) const {
         const auto pocket = airPocket(made, kWeldOfExtent * extent_);
         if (!pocket) return;
-        const double scale = worldPerBuilding(model_.vertices);
-        const glm::dvec3 at = pocket->hole / scale;
+        const glm::dvec3 at = inBuilding(pocket->hole);
         throw InputError(
             model_.file, "",
             fmt::format("the only closed space is the inside of the walls: the room needs glass "
                         "in its hole, about {:.2g} m wide and {:.2g} m high, near x {:.2f}, y {:.2f}, "
                         "z {:.2f} m (y up)",
-                        pocket->width / scale, pocket->height / scale, at.x, at.y, at.z));
+                        inBuilding(pocket->width), inBuilding(pocket->height), at.x, at.y, at.z));
     }
 
 private:
@@ -188,7 +190,7 @@ private:
         faces_.warnings.push_back(fmt::format(
             "{} (the first at {}) in rooms enclose nothing: taken as boards {:.2g} m thick, or that "
             "lie on the wall or floor which is right behind",
-            counted(boards->sheets, "face"), model_.place(boards->surface), thickness / scale));
+            counted(boards->sheets, "face"), model_.place(boards->surface), inBuilding(thickness)));
         return true;
     }
 
@@ -252,8 +254,7 @@ private:
 
     Building saidOfGlass(WithGlass made) {
         if (made.use.without.empty()) return std::move(made.building);
-        const double scale = worldPerBuilding(model_.vertices);
-        if (areAllSmall(made.building, kLeastRoom * scale * scale * scale))
+        if (areAllSmall(made.building, leastRoom()))
             throw InputError(
                 model_.file, model_.place(made.use.without[0]),
                 fmt::format("the glass bounds no room, and all that is closed holds less than {} "
@@ -266,6 +267,11 @@ private:
 
     double worldPerBuilding(std::span<const glm::dvec3> corners) const {
         return givenScale_.value_or(assumedWorldPerBuilding(corners));
+    }
+
+    double leastRoom() const { // cubic world metres
+        const double scale = worldPerBuilding(model_.vertices);
+        return kLeastRoom * scale * scale * scale;
     }
 
     // Diagonal of the faces of some materials, world metres; negative where there are none.
@@ -323,8 +329,7 @@ private:
     }
 
     void leaveOutSmallRooms(ModelRooms& rooms) const {
-        const double scale = worldPerBuilding(model_.vertices);
-        const SmallRooms small = leaveOutSmall(rooms, kLeastRoom * scale * scale * scale);
+        const SmallRooms small = leaveOutSmall(rooms, leastRoom());
         if (small.left > 0)
             rooms.building.warnings.push_back(fmt::format(
                 "{} less than {} m3 (the first has the face at {}): left out, as no rooms",
@@ -336,7 +341,7 @@ private:
         return {model_.file, model_.place(folded.first),
                 fmt::format("the face is not planar, it is bent by {:.2g} m: divide it into "
                             "triangles where it should fold",
-                            folded.second / worldPerBuilding(model_.vertices))};
+                            inBuilding(folded.second))};
     }
 
     // Where nothing but open sheets outside of them keeps the model from closing, or the ground drawn as a
