@@ -30,6 +30,7 @@
 #include "geometry/outline_area.h"
 #include "geometry/panes_within_room.h"
 #include "geometry/raw_model.h"
+#include "geometry/refused_model.h"
 #include "geometry/room_measures.h"
 #include "geometry/sheet_boards.h"
 #include "geometry/sheet_surroundings.h"
@@ -63,13 +64,11 @@ constexpr double kLeastRoom = 0.1; // cubic metres of building
 
 class ModelImporter {
 public:
-    ModelImporter(const std::filesystem::path& file, UpAxis up, const ImportOptions& options,
-                  double coarser = 1)
-        : model_(readRawModel(file, options.materials)), givenScale_(options.worldPerBuilding) {
-        for (glm::dvec3& p : model_.vertices) p = worldFromModel(p, up);
-        model_.up = up;
+    // `model`: turned to y up.
+    ModelImporter(const RawModel& model, const ImportOptions& options, double coarser = 1)
+        : model_(model), givenScale_(options.worldPerBuilding) {
         const double all = extentOf([](uint32_t) { return true; });
-        if (!(all > 0)) throw InputError(model_.file, model_.place(0), "all faces lie in one point");
+        if (!(all > 0)) throw model_.errorAt(0, "all faces lie in one point");
         const double glass = extentOf(isGlass_);
         extent_ = coarser * (glass > 0 ? std::min(all, kMostOfGlass * glass) : all);
         faces_ = flatFaces(model_, extent_, worldPerBuilding(model_.vertices), coarser);
@@ -86,6 +85,9 @@ public:
     // World metres, or a point of the world, in metres of the building.
     template<class Lengths> Lengths inBuilding(Lengths metres) const {
         return metres / worldPerBuilding(model_.vertices);
+    }
+    RefusedModel refused(const InputError& error) const {
+        return refusedModel(model_, error.where(), extent_, worldPerBuilding(model_.vertices));
     }
 
     // Where all else is refused, sheets that stand in rooms are thin boards.
@@ -114,7 +116,8 @@ public:
             fmt::format("the only closed space is the inside of the walls: the room needs glass "
                         "in its hole, about {:.2g} m wide and {:.2g} m high, near x {:.2f}, y {:.2f}, "
                         "z {:.2f} m (y up)",
-                        inBuilding(pocket->width), inBuilding(pocket->height), at.x, at.y, at.z));
+                        inBuilding(pocket->width), inBuilding(pocket->height), at.x, at.y, at.z),
+            {{}, {pocket->hole, pocket->hole}});
     }
 
 private:
@@ -219,8 +222,8 @@ private:
             try {
                 ModelRooms drawn = rooms({}, beforePart);
                 if (const auto touching = touchingRoomsOfGlass(drawn, isGlass_))
-                    blocks.emplace(model_.file, model_.place(*touching),
-                                   "bodies of glass that touch, mitred or too many, fill no hole together: "
+                    blocks = model_.errorAt(
+                        *touching, "bodies of glass that touch, mitred or too many, fill no hole together: "
                                    "expected slabs that end on one another's sides, or flat panes");
                 else {
                     if (const auto body = roomOfGlass(drawn, isGlass_))
@@ -241,8 +244,8 @@ private:
         if (blocks) throw *blocks;
         if (whyNoPane_) throw *whyNoPane_;
         if (asDrawn) throw *asDrawn;
-        throw InputError(
-            model_.file, model_.place(made->use.without[0]),
+        throw model_.errorAt(
+            made->use.without[0],
             "the glass bounds no room, nor does any other: something crosses it, or the model is "
             "open elsewhere, as where a door in a thick wall is not drawn");
     }
@@ -255,8 +258,8 @@ private:
     Building saidOfGlass(WithGlass made) {
         if (made.use.without.empty()) return std::move(made.building);
         if (areAllSmall(made.building, leastRoom()))
-            throw InputError(
-                model_.file, model_.place(made.use.without[0]),
+            throw model_.errorAt(
+                made.use.without[0],
                 fmt::format("the glass bounds no room, and all that is closed holds less than {} "
                             "m3: the model is open elsewhere, as by a hole without a pane or a "
                             "gap round a frame",
@@ -338,10 +341,10 @@ private:
     }
 
     InputError foldError(const std::pair<const uint32_t, double>& folded) const {
-        return {model_.file, model_.place(folded.first),
-                fmt::format("the face is not planar, it is bent by {:.2g} m: divide it into "
-                            "triangles where it should fold",
-                            inBuilding(folded.second))};
+        return model_.errorAt(folded.first,
+                              fmt::format("the face is not planar, it is bent by {:.2g} m: divide it into "
+                                          "triangles where it should fold",
+                                          inBuilding(folded.second)));
     }
 
     // Where nothing but open sheets outside of them keeps the model from closing, or the ground drawn as a
@@ -392,14 +395,15 @@ private:
     void judge(const GroundOutside& ground, const std::vector<SoupFace>& solids, bool looksIn,
                ModelRooms& rooms) const {
         if (ground.onGlass)
-            throw InputError(model_.file, model_.place(*ground.onGlass),
-                             "the ground is drawn through the glass of a window, expected it to end there");
+            throw model_.errorAt(
+                *ground.onGlass,
+                "the ground is drawn through the glass of a window, expected it to end there");
         const SheetVerdict verdict =
             judgeSheets(ground.sheets, rooms.building, solids, looksIn,
                         worldPerBuilding(rooms.building.vertices), kPlanarOfExtent * extent_);
         if (verdict.fault)
-            throw InputError(
-                model_.file, model_.place(verdict.fault->surface),
+            throw model_.errorAt(
+                verdict.fault->surface,
                 fmt::format("the model is not closed: this face {} (what is open has to stand outside of "
                             "rooms)",
                             verdict.fault->words));
@@ -444,8 +448,7 @@ private:
                 throw *error;
             }
             if (!strays_.empty())
-                throw InputError(model_.file, model_.place(*strays_.begin()),
-                                 "the glass stands outside of all rooms");
+                throw model_.errorAt(*strays_.begin(), "the glass stands outside of all rooms");
             reportGlass(panes, made.building, [&](uint32_t f) { return model_.place(f); });
             out = withGlass(std::move(made));
         } catch (const InputError& error) {
@@ -466,14 +469,15 @@ private:
     }
 
     InputError jointError(const LooseGlass& glass) const {
-        const std::string place = model_.place(glass.faces[0]);
         if (*glass.joint > kMostGap * glass.diagonal)
-            return {model_.file, place,
-                    "the glass fills no hole, as a leaf that stands open or a flat pane that stands free"};
-        return {model_.file, place,
-                fmt::format("a gap of {:.2g} m is left between the glass and the hole in which it stands, "
-                            "expected at most 0.5 % of its diagonal",
-                            inBuilding(*glass.joint))};
+            return model_.errorAt(
+                glass.faces[0],
+                "the glass fills no hole, as a leaf that stands open or a flat pane that stands free");
+        return model_.errorAt(
+            glass.faces[0],
+            fmt::format("a gap of {:.2g} m is left between the glass and the hole in which it stands, "
+                        "expected at most 0.5 % of its diagonal",
+                        inBuilding(*glass.joint)));
     }
 
     // Panes that no room has, or glass in a hole and not in a room: air and walls are taken for one another.
@@ -481,8 +485,8 @@ private:
                                          const std::vector<bool>& inRoom) const {
         const std::set<uint32_t> made(panes.made.begin(), panes.made.end());
         if (!made.empty() && std::ranges::none_of(rooms.source, [&](uint32_t f) { return made.contains(f); }))
-            return InputError(
-                model_.file, model_.place(panes.made[0]),
+            return model_.errorAt(
+                panes.made[0],
                 "the glass fills a hole but bounds no room: the model is open elsewhere, as by "
                 "a hole without a pane or a gap round a frame" +
                     (panes.loose.empty()
@@ -494,8 +498,8 @@ private:
             const LooseGlass& glass = panes.loose[k];
             if (glass.joint && !inRoom[k]) return jointError(glass);
             if (dark)
-                return InputError(
-                    model_.file, model_.place(glass.faces[0]),
+                return model_.errorAt(
+                    glass.faces[0],
                     "the glass fills no hole, and no other glass bounds a room, expected a slab "
                     "as wide as its hole and at most a fifth as thick, or flat panes round a corner");
         }
@@ -522,18 +526,21 @@ double assumedWorldPerBuilding(std::span<const glm::dvec3> corners) {
 
 Building importModel(const std::filesystem::path& file, UpAxis up, const ImportOptions& options) {
     const SheetMemory memory;
-    ModelImporter importer(file, up, options);
+    RawModel model = readRawModel(file, options.materials);
+    for (glm::dvec3& p : model.vertices) p = worldFromModel(p, up);
+    model.up = up;
+    ModelImporter importer(model, options);
     const double step = importer.rounding();
     try {
         Building made = importer.import(options.beforePart);
         importer.refuseInsideOfWalls(made);
         return made;
-    } catch (const InputError&) {
+    } catch (const InputError& error) {
         for (const double apart : kRoundingApart) {
             const double coarser = apart * step / (kWeldOfExtent * importer.extent());
             if (coarser <= 1) continue;
             try {
-                Building made = ModelImporter(file, up, options, coarser).import(options.beforePart);
+                Building made = ModelImporter(model, options, coarser).import(options.beforePart);
                 made.warnings.push_back(fmt::format("coordinates are rounded to {:.1g} m, and as they are "
                                                     "enclose no room: what is no farther apart than "
                                                     "{:.2g} m was taken to touch",
@@ -543,6 +550,7 @@ Building importModel(const std::filesystem::path& file, UpAxis up, const ImportO
             } catch (const InputError&) { // what was wrong before says more
             }
         }
+        if (options.onRefusal) options.onRefusal(importer.refused(error));
         throw;
     }
 }

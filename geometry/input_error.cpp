@@ -1,6 +1,7 @@
 #include "geometry/input_error.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace heliodon::geometry {
 
@@ -10,10 +11,12 @@ std::string printable(std::string text) {
     return text;
 }
 
-InputError::InputError(const std::string& file, const std::string& place, const std::string& what)
-    : std::runtime_error(printable(file + (place.empty() ? "" : ":" + place) + ": " + what)) {}
+InputError::InputError(const std::string& file, const std::string& place, const std::string& what,
+                       ModelPlace where)
+    : std::runtime_error(printable(file + (place.empty() ? "" : ":" + place) + ": " + what)),
+      where_(std::move(where)) {}
 
 InputError::InputError(const InputError& error, const std::string& more)
-    : std::runtime_error(printable(error.what() + more)) {}
+    : std::runtime_error(printable(error.what() + more)), where_(error.where_) {}
 
 } // namespace heliodon::geometry

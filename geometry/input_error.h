@@ -3,21 +3,37 @@
 // with 1.
 #pragma once
 
+#include <cstdint>
 #include <stdexcept>
 #include <string>
+#include <vector>
+
+#include <glm/vec3.hpp>
 
 namespace heliodon::geometry {
 
 // With '?' for the control characters, which would end a message or steer the terminal that shows it.
 std::string printable(std::string text);
 
+// Where in a model something is wrong.
+struct ModelPlace {
+    std::vector<uint32_t> faces;    // by their numbers in the file, the one that is named first
+    std::vector<glm::dvec3> border; // both ends of each edge round a hole, world metres
+};
+
 class InputError : public std::runtime_error {
 public:
     // `place` is a line ("12") or a field ("walls[3].thickness"), or empty for the file as a whole. `what`
     // says what is wrong and what was expected, in one line. what() reads "file:place: what".
-    InputError(const std::string& file, const std::string& place, const std::string& what);
+    InputError(const std::string& file, const std::string& place, const std::string& what,
+               ModelPlace where = {});
     // The same with more behind it.
     InputError(const InputError& error, const std::string& more);
+
+    const ModelPlace& where() const { return where_; } // empty where it is no place of a model
+
+private:
+    ModelPlace where_;
 };
 
 } // namespace heliodon::geometry

@@ -17,6 +17,7 @@
 
 #include "geometry/building.h"
 #include "geometry/patch_mesh.h"
+#include "geometry/refused_model.h"
 
 namespace heliodon::geometry {
 
@@ -59,6 +60,8 @@ struct ImportOptions {
     std::optional<double>
         worldPerBuilding;     // what people and storeys are measured in; none: assumed of the rooms
     GivenMaterials materials; // as of readPatches()
+    // Where set, called before a model is refused whose file could be read.
+    std::function<void(const RefusedModel&)> onRefusal = {};
 };
 
 // The model as closed rooms: duplicate vertices welded, T-vertices split, flipped faces turned where that is

@@ -147,8 +147,8 @@ private:
     void refuseOpeningOnWall(uint32_t one, uint32_t other) const {
         if (isOpening(one) == isOpening(other)) return;
         if (isOpening(other)) std::swap(one, other);
-        throw InputError(
-            model_.file, model_.place(one),
+        throw model_.errorAt(
+            one,
             fmt::format("an opening and a wall ({}) lie on one another, expected a hole in the wall there",
                         model_.place(other)));
     }
@@ -269,7 +269,7 @@ private:
         for (const auto& loop : face.loops)
             for (const uint32_t v : loop)
                 if (std::abs(glm::dot(building_.vertices[v] - origin, n)) > offPlane())
-                    throw InputError(model_.file, model_.place(face.surface), "the face is not planar");
+                    throw model_.errorAt(face.surface, "the face is not planar");
     }
 
     // Something ends on a face that was not divided there: an edge is open, a face lies within another, or a
@@ -290,7 +290,8 @@ private:
         return ends;
     }
 
-    [[noreturn]] void refuse(const std::vector<uint32_t>& faces, const std::string& what) const {
+    [[noreturn]] void refuse(const std::vector<uint32_t>& faces, const std::string& what,
+                             const std::vector<glm::dvec3>& hole = {}) const {
         std::vector<uint32_t> drawn; // a face may have been cut into several
         for (const uint32_t f : faces) drawn.push_back(source_[f]);
         std::ranges::sort(drawn);
@@ -300,7 +301,7 @@ private:
             all.size() < 2 ? "" : model_.places(all.subspan(1, std::min<size_t>(4, all.size() - 1)));
         if (drawn.size() > 5) more += fmt::format(" and {} more", drawn.size() - 5);
         throw InputError(model_.file, drawn.empty() ? "" : model_.place(drawn[0]),
-                         what + (more.empty() ? "" : " (also " + more + ")"));
+                         what + (more.empty() ? "" : " (also " + more + ")"), {drawn, hole});
     }
 
     // In the file's unit and axes, as the program that wrote it shows them.
@@ -316,11 +317,10 @@ private:
 
     // Within a shell all faces look the same way: the way of most of its area.
     void orient() {
-        if (building_.faces.empty())
-            throw InputError(model_.file, model_.place(0), "no face of the model has an area");
+        if (building_.faces.empty()) throw model_.errorAt(0, "no face of the model has an area");
         const std::vector<Face> before = made_.empty() ? std::vector<Face>{} : building_.faces;
         ShellFaces shells = orientShells(building_);
-        if (!shells.bad.empty()) refuse(std::move(shells.bad), shells.what + sizeOf(shells.hole));
+        if (!shells.bad.empty()) refuse(shells.bad, shells.what + sizeOf(shells.hole), shells.hole);
         shell_ = std::move(shells.shell);
         shellCount_ = shells.count;
         turnedOver_ += shells.turnedOver;

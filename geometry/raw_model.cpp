@@ -59,6 +59,10 @@ std::string RawModel::places(std::span<const uint32_t> faces) const {
     return out;
 }
 
+InputError RawModel::errorAt(uint32_t face, const std::string& what) const {
+    return {file, place(face), what, {{face}, {}}};
+}
+
 std::string objectNamed(const char* kind, const std::string& name) {
     if (name.empty()) return "";
     constexpr size_t kMost = 40;

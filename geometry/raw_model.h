@@ -14,6 +14,7 @@
 #include <glm/vec3.hpp>
 
 #include "geometry/glass_mark.h"
+#include "geometry/input_error.h"
 #include "geometry/model_file.h"
 #include "geometry/patch_mesh.h"
 
@@ -89,6 +90,8 @@ struct RawModel {
     std::string place(size_t i) const;
     // Of a list of faces; an object that several have in turn stands behind the last of them.
     std::string places(std::span<const uint32_t> faces) const;
+    // What is wrong with the face, which the message names.
+    InputError errorAt(uint32_t face, const std::string& what) const;
 };
 
 // R"(node "Window 2")"; "" without a name. What is longer than 40 characters is cut off.

@@ -131,7 +131,7 @@ private:
         written(
             sub->add_option("--plan", model_.plan,
                             "draw walls as they lie on the table and rooms as they were understood (.png or "
-                            ".svg); of a sketch that is refused, too"));
+                            ".svg); of what is refused, too"));
         written(sub->add_option("-o,--output", model_.output, "the model (.obj with .mtl, or .glb)"))
             ->required();
     }

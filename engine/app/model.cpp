@@ -1,7 +1,10 @@
+#include <optional>
+
 #include <fmt/format.h>
 
 #include "engine/app/commands.h"
 #include "engine/app/in_words.h"
+#include "engine/app/refused_plan.h"
 #include "engine/app/room_plan.h"
 #include "engine/app/scene_input.h"
 #include "geometry/input_error.h"
@@ -15,6 +18,14 @@ void drawPlan(Run& run, const ModelArguments& arguments, const Scene& scene) {
     roomPlan(scene, run.report(), arguments.scene.input.filename().string()).write(arguments.plan);
 }
 
+// The file stands in the title, and not before `why` once more.
+void drawRefused(const ModelArguments& arguments, const geometry::RefusedModel& model, std::string why) {
+    const std::filesystem::path& file = arguments.scene.input;
+    if (why.starts_with(file.string() + ":")) why.erase(0, file.string().size() + 1);
+    refusedPlan(model, model.northDeg - arguments.scene.northDeg, file.filename().string(), why)
+        .write(arguments.plan);
+}
+
 // What is refused is drawn, too: a plan says more of it than a sentence.
 Scene loadOrDraw(Run& run, const ModelArguments& arguments) {
     SceneSource source = readSource(run, arguments.scene);
@@ -22,13 +33,17 @@ Scene loadOrDraw(Run& run, const ModelArguments& arguments) {
     if (!arguments.plan.empty()) drawn.sketch = source.sketch;
     if (drawn.sketch && drawn.sketch->north) drawn.northDeg = drawn.sketch->north->dirDeg;
     drawn.northDeg -= arguments.scene.northDeg;
+    std::optional<geometry::RefusedModel> model;
+    OnRefusal keep;
+    if (!arguments.plan.empty()) keep = [&](const geometry::RefusedModel& refused) { model = refused; };
     try {
-        return makeScene(run, arguments.scene, std::move(source.rig), std::move(source.sketch));
-    } catch (const geometry::InputError&) {
-        if (drawn.sketch) {
+        return makeScene(run, arguments.scene, std::move(source.rig), std::move(source.sketch), keep);
+    } catch (const geometry::InputError& error) {
+        if (drawn.sketch)
             drawPlan(run, arguments, drawn);
-            run.note("the plan shows what was refused: " + arguments.plan.string());
-        }
+        else if (model)
+            drawRefused(arguments, *model, error.what());
+        if (drawn.sketch || model) run.note("the plan shows what was refused: " + arguments.plan.string());
         throw;
     }
 }

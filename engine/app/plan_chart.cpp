@@ -379,7 +379,7 @@ Plan planChart(const Scene& scene, const PlanValues& given, std::optional<ValueS
         plan.draw(chart, here, shown <= kFew);
         has.sunEdges |= plan.hasSunEdges(), has.dots |= plan.hasDots();
     }
-    first.title(chart, title, {subtitle});
+    first.title(chart, title, subtitle);
     drawScale(chart, *scale, first.scaleAt(), first.scaleHeight());
     first.foot(chart, scene.worldPerBuilding, scene.northDeg);
     drawKeys(chart, first, has);

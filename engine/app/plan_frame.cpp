@@ -13,6 +13,20 @@ namespace {
 
 constexpr double kPlan = 720, kNarrowest = 420, kLowest = 260, kMargin = 40, kHead = 62, kFoot = 40; // pixels
 constexpr double kCaption = 24; // above each of several storeys
+constexpr double kLetter = 6;   // wide, of a subtitle
+
+// In lines of so many letters, at most two; what is longer is cut off.
+std::vector<std::string> twoLines(const std::string& words, size_t letters) {
+    if (words.size() <= letters) return {words};
+    const auto before = [&](const std::string& line) {
+        const size_t space = line.rfind(' ', letters);
+        return space == std::string::npos || space == 0 ? letters : space;
+    };
+    const size_t first = before(words);
+    std::string rest = words.substr(first + (words[first] == ' '));
+    if (rest.size() > letters) rest = rest.substr(0, before(rest)) + " ...";
+    return {words.substr(0, first), rest};
+}
 
 } // namespace
 
@@ -36,11 +50,10 @@ Chart PlanFrame::chart() const {
             std::max(all_.y, kLowest) + kHead + kFoot + kMargin};
 }
 
-void PlanFrame::title(Chart& chart, const std::string& title,
-                      const std::vector<std::string>& subtitle) const {
+void PlanFrame::title(Chart& chart, const std::string& title, const std::string& subtitle) const {
     chart.text({kMargin, 22}, title, 15);
     double y = 40;
-    for (const std::string& line : subtitle) {
+    for (const std::string& line : twoLines(subtitle, static_cast<size_t>(chart.width() / kLetter))) {
         chart.text({kMargin, y}, line, 11);
         y += 14;
     }

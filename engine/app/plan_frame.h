@@ -3,7 +3,6 @@
 #pragma once
 
 #include <string>
-#include <vector>
 
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
@@ -27,8 +26,8 @@ public:
     PlanFrame(glm::dvec2 low, glm::dvec2 high, size_t storey, size_t storeys, double beside);
 
     Chart chart() const; // large enough for all storeys
-    // Two lines of subtitle at most.
-    void title(Chart& chart, const std::string& title, const std::vector<std::string>& subtitle) const;
+    // Two lines of subtitle at most; what is longer is cut off.
+    void title(Chart& chart, const std::string& title, const std::string& subtitle) const;
     void caption(Chart& chart, const std::string& words) const; // above the storey
     // `northDeg`: counter-clockwise from +x; a measure of whole building metres.
     void foot(Chart& chart, double worldPerBuilding, double northDeg) const;

@@ -223,19 +223,6 @@ private:
     bool hasGaps_ = false, hasUnused_ = false;
 };
 
-// In lines of so many letters, at most two; what is longer is cut off.
-std::vector<std::string> twoLines(const std::string& words, size_t letters) {
-    if (words.size() <= letters) return {words};
-    const auto before = [&](const std::string& line) {
-        const size_t space = line.rfind(' ', letters);
-        return space == std::string::npos || space == 0 ? letters : space;
-    };
-    const size_t first = before(words);
-    std::string rest = words.substr(first + (words[first] == ' '));
-    if (rest.size() > letters) rest = rest.substr(0, before(rest)) + " ...";
-    return {words.substr(0, first), rest};
-}
-
 } // namespace
 
 Chart roomPlan(const Scene& scene, const nlohmann::json& report, const std::string& title) {
@@ -260,9 +247,7 @@ Chart roomPlan(const Scene& scene, const nlohmann::json& report, const std::stri
         if (storeys > 1) frame.caption(chart, storeyInWords(here, scene.worldPerBuilding));
         plan.draw(frame, here);
     }
-    const auto lines = twoLines(report.value("code", "") + ": " + report.value("message", ""),
-                                static_cast<size_t>(chart.width() / 6));
-    first.title(chart, title, lines);
+    first.title(chart, title, report.value("code", "") + ": " + report.value("message", ""));
     first.foot(chart, scene.worldPerBuilding, scene.northDeg);
     double x = 0;
     const auto key = [&](Ink ink, double thickness, const char* words, double wide) {

@@ -148,13 +148,14 @@ void reportMesh(Run& run, const geometry::PatchMesh& own, const geometry::PatchM
             volume.room, 100 * std::abs(volume.share), volume.share < 0 ? "less" : "more"));
 }
 
-geometry::Building importOrRefuse(Run& run, const SceneArguments& arguments, geometry::UpAxis up) {
+geometry::Building importOrRefuse(Run& run, const SceneArguments& arguments, geometry::UpAxis up,
+                                  const OnRefusal& onRefusal) {
     const StageTimer timer(run, "model");
     try {
         const std::optional<double>& scale = arguments.modelScale;
-        return geometry::importModel(
-            arguments.input, up,
-            {throwIfInterrupted, scale ? std::optional(1 / *scale) : std::nullopt, materialsOf(arguments)});
+        return geometry::importModel(arguments.input, up,
+                                     {throwIfInterrupted, scale ? std::optional(1 / *scale) : std::nullopt,
+                                      materialsOf(arguments), onRefusal});
     } catch (const InputError& error) {
         run.report()["outcome"] = "refuse";
         run.report()["code"] = "BAD_MODEL";
@@ -372,7 +373,7 @@ Scene loadScene(Run& run, const SceneArguments& arguments) {
 }
 
 Scene makeScene(Run& run, const SceneArguments& arguments, std::optional<geometry::Rig> rig,
-                std::optional<geometry::Sketch> sketch) {
+                std::optional<geometry::Sketch> sketch, const OnRefusal& onRefusal) {
     Scene scene;
     scene.up = upAxisOf(arguments);
     scene.rig = std::move(rig);
@@ -383,7 +384,7 @@ Scene makeScene(Run& run, const SceneArguments& arguments, std::optional<geometr
     geometry::ClosureOptions closure;
     closure.chordError = arguments.chordError.value_or(closure.chordError);
     if (!scene.sketch) {
-        building = importOrRefuse(run, arguments, scene.up);
+        building = importOrRefuse(run, arguments, scene.up, onRefusal);
         scene.worldPerBuilding = modelScale(run, arguments.modelScale, building);
     } else {
         if (curved) fitFacets(run, arguments, *scene.sketch, wanted, closure);

@@ -2,6 +2,7 @@
 // starts.
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <vector>
 
@@ -71,9 +72,12 @@ SceneSource readSource(Run& run, const SceneArguments& arguments);
 // throws InputError.
 Scene loadScene(Run& run, const SceneArguments& arguments);
 
+// As geometry::ImportOptions has it.
+using OnRefusal = std::function<void(const geometry::RefusedModel&)>;
+
 // The same from a sketch that is at hand (none: from the model that the arguments name, which names the
 // source in messages all the same).
 Scene makeScene(Run& run, const SceneArguments& arguments, std::optional<geometry::Rig> rig,
-                std::optional<geometry::Sketch> sketch);
+                std::optional<geometry::Sketch> sketch, const OnRefusal& onRefusal = {});
 
 } // namespace heliodon::app

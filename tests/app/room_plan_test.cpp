@@ -54,6 +54,32 @@ TEST_F(RoomPlan, shows_what_is_refused) {
     EXPECT_FALSE(std::filesystem::exists(folder / "room.obj"));
 }
 
+// A room of 5 by 4 m without its wall at z = 4: faces, the hole's edges in red, a circle round it.
+TEST_F(RoomPlan, shows_where_a_model_is_refused) {
+    const std::string corners = "v 0 0 0\nv 5 0 0\nv 5 0 4\nv 0 0 4\nv 0 3 0\nv 5 3 0\nv 5 3 4\nv 0 3 4\n",
+                      faces = "f 1 4 3 2\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 4 1 5 8\n";
+    writeText(folder / "open.obj", "mtllib open.mtl\n" + corners + "usemtl wall\n" + faces);
+    writeText(folder / "open.mtl", "newmtl wall\nKd 0.5 0.5 0.5\n");
+    const std::string command =
+        "model " + in("open.obj") + " --plan " + in("plan.svg") + " -o " + in("room.obj");
+    const Outcome refused = heliodon(command);
+    EXPECT_EQ(refused.exitCode, 2) << refused.output;
+    EXPECT_NE(refused.output.find("plan.svg"), std::string::npos) << refused.output;
+    EXPECT_FALSE(std::filesystem::exists(folder / "room.obj"));
+    EXPECT_TRUE(shows("close the hole"));
+    EXPECT_TRUE(shows(">1 m<") || shows(">2 m<"));
+    // The plan is 720 pixels wide: the hole is a line of all that width, and the circle as large.
+    const std::string svg = plan();
+    EXPECT_NE(svg.find("M40.00 638.00L760.00 638.00\" fill=\"none\" stroke=\"#d61e1e\" stroke-width=\"3\""),
+              std::string::npos);
+    EXPECT_NE(svg.find("M768.00 638.00L"), std::string::npos);
+
+    std::filesystem::remove(folder / "plan.svg");
+    writeText(folder / "open.obj", "mtllib open.mtl\n" + corners + "usemtl wall\n" + faces + "f 1 2 99\n");
+    EXPECT_EQ(heliodon(command).exitCode, 2);
+    EXPECT_FALSE(std::filesystem::exists(folder / "plan.svg")) << "of a file that is broken";
+}
+
 TEST_F(RoomPlan, is_refused_by_its_ending_before_anything_is_written) {
     const Outcome refused =
         heliodon("model " + publicSketch("p04_L") + " --plan " + in("plan.pdf") + " -o " + in("room.obj"));
