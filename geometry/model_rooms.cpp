@@ -291,28 +291,33 @@ private:
     }
 
     [[noreturn]] void refuse(const std::vector<uint32_t>& faces, const std::string& what,
-                             const std::vector<glm::dvec3>& hole = {}) const {
+                             const std::vector<glm::dvec3>& border = {}) const {
         std::vector<uint32_t> drawn; // a face may have been cut into several
         for (const uint32_t f : faces) drawn.push_back(source_[f]);
         std::ranges::sort(drawn);
         drawn.erase(std::unique(drawn.begin(), drawn.end()), drawn.end());
+        if (!border.empty()) { // what is said of it is said of its face
+            const auto first = std::ranges::find(drawn, source_[faces[0]]);
+            std::rotate(drawn.begin(), first, first + 1);
+        }
         const std::span<const uint32_t> all(drawn);
         std::string more =
             all.size() < 2 ? "" : model_.places(all.subspan(1, std::min<size_t>(4, all.size() - 1)));
         if (drawn.size() > 5) more += fmt::format(" and {} more", drawn.size() - 5);
         throw InputError(model_.file, drawn.empty() ? "" : model_.place(drawn[0]),
-                         what + (more.empty() ? "" : " (also " + more + ")"), {drawn, hole});
+                         what + (more.empty() ? "" : " (also " + more + ")"), {drawn, border});
     }
 
     // In the file's unit and axes, as the program that wrote it shows them.
-    std::string sizeOf(const std::vector<glm::dvec3>& hole) const {
-        if (hole.empty()) return "";
-        const Bounds box = boundsOf(hole);
+    std::string sizeOf(const ShellFaces& shells) const {
+        if (shells.border.empty()) return "";
+        const Bounds box = boundsOf(shells.border);
         const glm::dvec3 middle = box.centre(),
                          p = model_.up == UpAxis::z ? glm::dvec3(middle.x, -middle.z, middle.y) : middle;
-        return fmt::format(" (it is {}, round {:.3g} {:.3g} {:.3g}, in the file's unit; "
-                           "a face of glass in it, with Ni 1, is an opening)",
-                           sizeOfHole(hole, offPlane()), p.x, p.y, p.z);
+        return fmt::format(" ({} {}, round {:.3g} {:.3g} {:.3g}, in the file's unit{})",
+                           shells.isHole ? "it is" : "the open border of the largest such part is",
+                           sizeOfHole(shells.border, offPlane()), p.x, p.y, p.z,
+                           shells.isHole ? "; a face of glass in it, with Ni 1, is an opening" : "");
     }
 
     // Within a shell all faces look the same way: the way of most of its area.
@@ -320,7 +325,7 @@ private:
         if (building_.faces.empty()) throw model_.errorAt(0, "no face of the model has an area");
         const std::vector<Face> before = made_.empty() ? std::vector<Face>{} : building_.faces;
         ShellFaces shells = orientShells(building_);
-        if (!shells.bad.empty()) refuse(shells.bad, shells.what + sizeOf(shells.hole), shells.hole);
+        if (!shells.bad.empty()) refuse(shells.bad, shells.what + sizeOf(shells), shells.border);
         shell_ = std::move(shells.shell);
         shellCount_ = shells.count;
         turnedOver_ += shells.turnedOver;

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <glm/geometric.hpp>
 
+#include "geometry/bounds.h"
 #include "geometry/disjoint_sets.h"
 #include "geometry/outline_area.h"
 
@@ -74,6 +75,24 @@ bool isMostlyOpen(const Building& building, const std::vector<OpenBorder>& borde
     return closing >= kAsLarge * drawn;
 }
 
+std::vector<glm::dvec3> endsOf(const Building& building, const OpenBorder& border) {
+    std::vector<glm::dvec3> ends;
+    for (const auto& [a, b] : border.edges)
+        ends.insert(ends.end(), {building.vertices[a], building.vertices[b]});
+    return ends;
+}
+
+// That of most extent of the part of most area, of those that have any.
+const OpenBorder& borderOfLargest(const Building& building, const std::vector<OpenBorder>& borders,
+                                  DisjointSets& parts) {
+    std::map<uint32_t, double> area;
+    for (uint32_t f = 0; f < building.faces.size(); ++f)
+        area[parts.root(f)] += glm::length(areaVector(building.vertices, building.faces[f].loops[0]));
+    return *std::ranges::max_element(borders, {}, [&](const OpenBorder& border) {
+        return std::pair(area.at(parts.root(border.faces[0])), boundsOf(endsOf(building, border)).diagonal());
+    });
+}
+
 // Faces along the first open border. Where other parts of the model are closed, all such faces: it is not a
 // hole in these that is meant.
 ShellFaces openFaces(const Building& building, const std::map<Edge, std::vector<uint32_t>>& edges) {
@@ -86,10 +105,15 @@ ShellFaces openFaces(const Building& building, const std::map<Edge, std::vector<
     for (const OpenBorder& border : borders) open.insert(border.faces.begin(), border.faces.end());
     for (const uint32_t f : open) openParts.insert(parts.root(f));
     for (uint32_t f = 0; f < building.faces.size(); ++f) allParts.insert(parts.root(f));
-    if (openParts.size() < allParts.size())
-        return refused({open.begin(), open.end()},
-                       "the model is not closed: this face is of a part that encloses nothing, as a sheet "
-                       "without thickness (others are closed)");
+    if (openParts.size() < allParts.size()) {
+        ShellFaces out = refused({open.begin(), open.end()},
+                                 "the model is not closed: this face is of a part that encloses nothing, as "
+                                 "a sheet without thickness (others are closed)");
+        const OpenBorder& border = borderOfLargest(building, borders, parts);
+        std::ranges::rotate(out.bad, std::ranges::find(out.bad, std::ranges::min(border.faces)));
+        out.border = endsOf(building, border);
+        return out;
+    }
     std::string what = "the model is not closed: an edge of this face has no neighbour";
     if (borders.size() > 1) what += fmt::format(", on the first of {} open borders", borders.size());
     const auto isOfFirst = [&](uint32_t f) {
@@ -102,9 +126,10 @@ ShellFaces openFaces(const Building& building, const std::map<Edge, std::vector<
                        "close them (floor, ceiling, other walls) is as large as all that is drawn");
     if (isHole) what += ": close the hole, or draw its door or glass";
     ShellFaces out = refused(borders[0].faces, std::move(what));
+    std::ranges::sort(out.bad);
     if (!isHole) return out;
-    for (const auto& [a, b] : borders[0].edges)
-        out.hole.insert(out.hole.end(), {building.vertices[a], building.vertices[b]});
+    out.border = endsOf(building, borders[0]);
+    out.isHole = true;
     return out;
 }
 

@@ -24,10 +24,11 @@ template<class AnyFace> void turnOver(AnyFace& face) {
 struct ShellFaces {
     std::vector<uint32_t> shell; // per face
     uint32_t count = 0;
-    size_t turnedOver = 0;        // faces, against the others of their shell
-    std::vector<uint32_t> bad;    // faces that keep the shells from closing; empty when they do
-    std::string what;             // is wrong with those
-    std::vector<glm::dvec3> hole; // both ends of each open edge round it, where closing it may be all
+    size_t turnedOver = 0;          // faces, against the others of their shell
+    std::vector<uint32_t> bad;      // faces that keep the shells from closing; empty when they do
+    std::string what;               // is wrong with those
+    std::vector<glm::dvec3> border; // both ends of each open edge of a hole that bad[0] lies along
+    bool isHole = false;            // closing that may be all; else it is of the largest open part
 };
 
 // Turns faces over until within a shell all look the same way: the way of most of its area.

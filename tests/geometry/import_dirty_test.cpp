@@ -1,5 +1,6 @@
 // Models as they come: each is closed as it was meant, or refused with a face named; never silently wrong.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <fstream>
 #include <random>
@@ -10,10 +11,13 @@
 #include <glm/geometric.hpp>
 #include <gtest/gtest.h>
 
+#include "geometry/bounds.h"
+#include "geometry/face_soup.h"
 #include "geometry/input_error.h"
 #include "geometry/mesher.h"
 #include "geometry/model_file.h"
 #include "geometry/raw_model.h"
+#include "geometry/shell_faces.h"
 #include "tests/geometry/mesh_volume.h"
 
 using namespace heliodon::geometry;
@@ -312,6 +316,37 @@ TEST(DirtyModel, a_pane_drawn_on_a_part_of_a_wall_is_refused_by_its_line) {
                   "dirty.obj:21: an opening and a wall (11) lie on one another, expected a hole in the wall "
                   "there");
     }
+}
+
+// A closed box beside two without their tops: the larger one's hole, 2 m by 2 m, is the one that is told.
+TEST(DirtyModel, of_parts_that_are_open_the_border_of_the_largest_is_told) {
+    std::vector<SoupFace> soup;
+    const auto box = [&](double x, double size, bool isClosed) {
+        const auto face = [&](std::array<int, 4> corners) {
+            SoupFace& out = soup.emplace_back();
+            out.loops.emplace_back();
+            for (const int k : corners)
+                out.loops[0].push_back(glm::dvec3(x, 0, 0) + size * glm::dvec3(k & 1, k >> 1 & 1, k >> 2));
+            out.surface = static_cast<uint32_t>(soup.size() - 1);
+        };
+        for (const std::array<int, 4> corners :
+             {std::array{0, 4, 5, 1}, std::array{0, 1, 3, 2}, std::array{4, 6, 7, 5}, std::array{0, 2, 6, 4},
+              std::array{1, 5, 7, 3}})
+            face(corners);
+        if (isClosed) face({2, 3, 7, 6});
+    };
+    box(0, 1, false);
+    box(10, 3, true);
+    box(20, 2, false);
+    Building building = weldFaces(soup, 1, 1e-6);
+    const ShellFaces shells = orientShells(building);
+    EXPECT_EQ(shells.bad.size(), 8u) << "four walls of each that is open";
+    ASSERT_FALSE(shells.bad.empty());
+    EXPECT_EQ(shells.bad[0], 12u) << "the first wall of the third box";
+    EXPECT_FALSE(shells.isHole);
+    const Bounds box20 = boundsOf(shells.border);
+    EXPECT_EQ(box20.low, glm::dvec3(20, 2, 0));
+    EXPECT_EQ(box20.high, glm::dvec3(22, 2, 2));
 }
 
 TEST(DirtyModel, a_sheet_in_a_closed_room_is_a_board_but_for_a_hole_in_the_room) {
