@@ -75,6 +75,19 @@ bool isMostlyOpen(const Building& building, const std::vector<OpenBorder>& borde
     return closing >= kAsLarge * drawn;
 }
 
+// No two faces meet but in one plane: single walls, or such as do not touch.
+bool isFlatPieces(const Building& building, const std::map<Edge, std::vector<uint32_t>>& edges) {
+    constexpr double kParallel = 1e-4; // sine
+    const auto area = [&](uint32_t f) { return areaVector(building.vertices, building.faces[f].loops[0]); };
+    return std::ranges::all_of(edges, [&](const auto& entry) {
+        const glm::dvec3 first = area(entry.second[0]);
+        return std::ranges::all_of(entry.second, [&](uint32_t f) {
+            return glm::length(glm::cross(first, area(f))) <=
+                   kParallel * glm::length(first) * glm::length(area(f));
+        });
+    });
+}
+
 std::vector<glm::dvec3> endsOf(const Building& building, const OpenBorder& border) {
     std::vector<glm::dvec3> ends;
     for (const auto& [a, b] : border.edges)
@@ -124,6 +137,11 @@ ShellFaces openFaces(const Building& building, const std::map<Edge, std::vector<
         return refused({open.begin(), open.end()},
                        "encloses no room: these faces are open sheets, as of a facade alone, and what would "
                        "close them (floor, ceiling, other walls) is as large as all that is drawn");
+    if (isFlatPieces(building, edges))
+        return refused(
+            {open.begin(), open.end()},
+            "the model is not closed: no two of these faces meet but in one plane (walls, floor and ceiling "
+            "end short of one another, or are not drawn)");
     if (isHole) what += ": close the hole, or draw its door or glass";
     ShellFaces out = refused(borders[0].faces, std::move(what));
     std::ranges::sort(out.bad);

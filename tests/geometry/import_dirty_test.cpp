@@ -318,6 +318,19 @@ TEST(DirtyModel, a_pane_drawn_on_a_part_of_a_wall_is_refused_by_its_line) {
     }
 }
 
+// Two walls that face one another, and one of them: it is no edge that is missing.
+TEST(DirtyModel, walls_that_do_not_touch_are_told_so) {
+    SoupFace wall{.loops = {{{0, 0, 0}, {4, 0, 0}, {4, 3, 0}, {0, 3, 0}}}}, other = wall;
+    for (glm::dvec3& p : other.loops[0]) p.z = 4;
+    other.surface = 1;
+    for (const std::vector<SoupFace>& soup : {std::vector{wall}, std::vector{wall, other}}) {
+        Building building = weldFaces(soup, 1, 1e-6);
+        const ShellFaces shells = orientShells(building);
+        EXPECT_EQ(shells.bad.size(), soup.size());
+        EXPECT_NE(shells.what.find("no two of these faces meet"), std::string::npos) << shells.what;
+    }
+}
+
 // A closed box beside two without their tops: the larger one's hole, 2 m by 2 m, is the one that is told.
 TEST(DirtyModel, of_parts_that_are_open_the_border_of_the_largest_is_told) {
     std::vector<SoupFace> soup;
