@@ -486,7 +486,7 @@ private:
         // A mirrored node turns its triangles over.
         const bool mirrored = glm::determinant(glm::dmat3(worldFromNode)) < 0;
         out_.groups.push_back(mesh.empty() ? node : mesh);
-        out_.object.push_back(node.empty() ? objectNamed("mesh", mesh) : objectNamed("node", node));
+        out_.object.push_back(node.empty() ? RawModel::Object{"mesh", mesh} : RawModel::Object{"node", node});
         out_.source.push_back(place);
         for (size_t t = 0; t < corner.size(); t += 3) {
             for (size_t k = 0; k < 3; ++k) {

@@ -86,6 +86,7 @@ public:
     template<class Lengths> Lengths inBuilding(Lengths metres) const {
         return metres / worldPerBuilding(model_.vertices);
     }
+    InputError withHint(const InputError& error) const { return {error, model_.doWithoutNamed(error.what())}; }
     RefusedModel refused(const InputError& error) const {
         return refusedModel(model_, error.where(), extent_, worldPerBuilding(model_.vertices));
     }
@@ -551,7 +552,7 @@ Building importModel(const std::filesystem::path& file, UpAxis up, const ImportO
             }
         }
         if (options.onRefusal) options.onRefusal(importer.refused(error));
-        throw;
+        throw importer.withHint(error);
     }
 }
 

@@ -32,12 +32,14 @@ struct Glazing {
     glm::vec3 transmittance;
 };
 
-// What is said of a model's materials beside its file.
+// What is said of a model beside its file, most of it of its materials.
 struct GivenMaterials {
     std::vector<Glazing> glazing;
     // 0 to below 1: what materials reflect that the file names and does not define, and the brightest channel
     // of those that it states as 1 or more, as no paint is.
     std::optional<float> reflectance;
+    // Objects, groups, nodes, meshes and materials of these names: their faces count as not in the file.
+    std::vector<std::string> leftOut{};
 };
 
 // A model with z up is turned to y up: (x, y, z) -> (x, z, -y). The same turn applies to sensors and skies of

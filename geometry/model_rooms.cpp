@@ -89,6 +89,7 @@ private:
         const auto isUsed = [&](uint32_t material) {
             return std::ranges::find(model_.material, material) != model_.material.end();
         };
+        building_.repairs.insert(building_.repairs.end(), model_.leftOut.begin(), model_.leftOut.end());
         for (const auto& [material, assumption] : model_.assumed)
             if (isUsed(material)) building_.repairs.push_back(assumption);
         for (const auto& [material, doubt] : model_.doubts)

@@ -432,7 +432,7 @@ private:
     void useGroup(std::string name, bool isObject) {
         if (isObject) object_ = name;
         const std::string& shown = object_.empty() ? name : object_;
-        model_.object.push_back(objectNamed("object", shown == kNoGroup ? "" : shown));
+        model_.object.push_back({"object", shown == kNoGroup ? "" : shown});
         model_.groups.push_back(std::move(name));
         model_.source.emplace_back();
     }

@@ -16,6 +16,22 @@
 
 namespace heliodon::geometry {
 
+namespace {
+
+// R"(node "Window 2")"; what is longer than 40 characters is cut off.
+std::string shown(const RawModel::Object& object) {
+    const auto& [kind, name] = object;
+    constexpr size_t kMost = 40;
+    size_t end = 0;
+    for (size_t characters = 0; end < name.size(); ++end) {
+        const bool begins = (static_cast<unsigned char>(name[end]) & 0xC0) != 0x80; // a character of UTF-8
+        if (begins && characters++ == kMost) break;
+    }
+    return fmt::format("{} \"{}{}\"", kind, name.substr(0, end), end < name.size() ? "..." : "");
+}
+
+} // namespace
+
 void RawModel::addCorner(uint32_t vertex, glm::vec3 normal) {
     if (normal != glm::vec3(0) || !cornerNormals.empty()) {
         cornerNormals.resize(corners.size());
@@ -54,7 +70,7 @@ std::string RawModel::places(std::span<const uint32_t> faces) const {
         out += source[g].empty() ? std::to_string(number[f])
                                  : fmt::format("{} triangle {}", source[g], number[f]);
         const bool last = k + 1 == faces.size() || object[group[faces[k + 1]]] != object[g];
-        if (last && !object[g].empty()) out += " (" + object[g] + ")";
+        if (last && !object[g].name.empty()) out += " (" + shown(object[g]) + ")";
     }
     return out;
 }
@@ -63,15 +79,17 @@ InputError RawModel::errorAt(uint32_t face, const std::string& what) const {
     return {file, place(face), what, {{face}, {}}};
 }
 
-std::string objectNamed(const char* kind, const std::string& name) {
-    if (name.empty()) return "";
-    constexpr size_t kMost = 40;
-    size_t end = 0;
-    for (size_t characters = 0; end < name.size(); ++end) {
-        const bool begins = (static_cast<unsigned char>(name[end]) & 0xC0) != 0x80; // a character of UTF-8
-        if (begins && characters++ == kMost) break;
+std::string RawModel::doWithoutNamed(const std::string& message) const {
+    std::set<std::string> known;
+    const Object* named = nullptr;
+    size_t first = message.size();
+    for (const uint32_t g : group) {
+        if (object[g].name.empty() || !known.insert(object[g].name).second) continue;
+        const size_t at = message.find(fmt::format("({})", shown(object[g])));
+        if (at < first) first = at, named = &object[g];
     }
-    return fmt::format("{} \"{}{}\"", kind, name.substr(0, end), end < name.size() ? "..." : "");
+    if (!named || known.size() < 2) return "";
+    return fmt::format("; --leave-out \"{}\" does without this {}", named->name, named->kind);
 }
 
 std::vector<std::vector<uint32_t>> RawModel::loops(size_t i) const {
@@ -240,10 +258,86 @@ void mendMaterials(RawModel& model, const GivenMaterials& given) {
                     *given.reflectance);
 }
 
+std::string namesIn(const RawModel& model) {
+    constexpr size_t kFew = 20;
+    std::vector<std::string> names;
+    const auto add = [&](const std::string& name) {
+        if (!name.empty() && std::ranges::find(names, name) == names.end()) names.push_back(name);
+    };
+    for (const RawModel::Object& object : model.object) add(object.name);
+    for (const Material& material : model.materials) add(material.name);
+    const size_t more = names.size() - std::min(names.size(), kFew);
+    names.resize(names.size() - more);
+    return fmt::format("{}{}", fmt::join(names, ", "), more > 0 ? fmt::format(" and {} more", more) : "");
+}
+
+// Their corners, too: what stands far off says nothing of the size of the rest.
+void dropFaces(RawModel& model, const std::vector<bool>& gone) {
+    const std::vector<uint32_t> corners = model.corners, firstCorner = model.firstCorner;
+    std::vector<bool> isOfRest(model.vertices.size(), false);
+    size_t kept = 0, end = 0;
+    for (size_t f = 0; f < gone.size(); ++f) {
+        if (gone[f]) continue;
+        for (uint32_t c = firstCorner[f]; c < firstCorner[f + 1]; ++c, ++end) {
+            model.corners[end] = corners[c];
+            if (!model.cornerNormals.empty()) model.cornerNormals[end] = model.cornerNormals[c];
+            isOfRest[corners[c]] = true;
+        }
+        if (!model.smoothing.empty()) model.smoothing[kept] = model.smoothing[f];
+        model.material[kept] = model.material[f];
+        model.group[kept] = model.group[f];
+        model.number[kept] = model.number[f];
+        model.firstCorner[++kept] = static_cast<uint32_t>(end);
+    }
+    model.corners.resize(end), model.firstCorner.resize(kept + 1);
+    model.cornerNormals.resize(std::min(model.cornerNormals.size(), end));
+    model.smoothing.resize(std::min(model.smoothing.size(), kept));
+    model.material.resize(kept), model.group.resize(kept), model.number.resize(kept);
+    for (const RawModel::Outside& face : model.outside)
+        for (const uint32_t v : face.corners) isOfRest[v] = true;
+    if (end == 0) return;
+    for (size_t f = 0; f < gone.size(); ++f)
+        for (uint32_t c = firstCorner[f]; gone[f] && c < firstCorner[f + 1]; ++c)
+            if (!isOfRest[corners[c]]) model.vertices[corners[c]] = model.vertices[model.corners[0]];
+}
+
+void leaveOut(RawModel& model, const std::vector<std::string>& names) {
+    if (names.empty()) return;
+    std::vector<size_t> count(names.size(), 0);
+    std::vector<bool> gone(model.faceCount(), false);
+    for (size_t k = 0; k < names.size(); ++k) {
+        const auto isIt = [&](uint32_t g, uint32_t m) {
+            return model.groups[g] == names[k] || model.object[g].name == names[k] ||
+                   model.materials[m].name == names[k];
+        };
+        for (size_t f = 0; f < gone.size(); ++f)
+            if (isIt(model.group[f], model.material[f])) gone[f] = true, ++count[k];
+        count[k] += std::erase_if(model.outside, [&](const RawModel::Outside& face) {
+            return names[k] == kOutsideGroup || model.materials[face.material].name == names[k];
+        });
+        if (count[k] == 0)
+            throw InputError(
+                "--leave-out", names[k],
+                fmt::format("names no face of {}, expected one of {}", model.file, namesIn(model)));
+        model.leftOut.push_back(
+            fmt::format("{} of \"{}\" left out (--leave-out)", counted(count[k], "face"), names[k]));
+    }
+    const std::vector<uint32_t> wasOf = model.material;
+    dropFaces(model, gone);
+    const auto isUsed = [](const std::vector<uint32_t>& all, uint32_t m) {
+        return std::ranges::find(all, m) != all.end();
+    };
+    std::erase_if(model.flaws, [&](const RawModel::Flaw& flaw) {
+        return flaw.kind != RawModel::Flaw::Kind::missingFile && isUsed(wasOf, flaw.material) &&
+               !isUsed(model.material, flaw.material);
+    });
+}
+
 } // namespace
 
 RawModel readRawModel(const std::filesystem::path& file, const GivenMaterials& given) {
     RawModel model = readByExtension(file);
+    leaveOut(model, given.leftOut);
     mendMaterials(model, given);
     if (model.faceCount() == 0) throw InputError(model.file, "", "holds no faces");
     checkReach(model);

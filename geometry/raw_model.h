@@ -45,7 +45,13 @@ struct RawModel {
     std::vector<size_t> number; // per face: its line in an .obj, its triangle within the primitive in a glTF
     std::vector<std::string> groups;
     std::vector<std::string> source; // per group: "" in an .obj, "meshes[0].primitives[1]" in a glTF
-    std::vector<std::string> object; // per group: R"(object "Wall.003")", as programs show it; "" without
+    // Per group, as programs show it: "object" and "Wall.003"; without a name "".
+    struct Object {
+        const char* kind;
+        std::string name;
+        bool operator==(const Object&) const = default;
+    };
+    std::vector<Object> object;
     std::vector<Material>
         materials;                  // finite, reflectance in [0, 1), with transmittance at most 1 (but flaws)
     std::optional<double> northDeg; // direction of north, as Building has it, where the file says it
@@ -66,6 +72,7 @@ struct RawModel {
     std::vector<Outside> outside;
     // By material, one sentence each: what the file does not say, and what may have been meant otherwise.
     std::map<uint32_t, std::string> assumed, doubts;
+    std::vector<std::string> leftOut; // of GivenMaterials::leftOut, one sentence each
     // What keeps materials from being used, in the order of the file, unless GivenMaterials mend it.
     struct Flaw {
         enum class Kind { missingFile, undefined, tooBright, unphysical } kind;
@@ -92,10 +99,9 @@ struct RawModel {
     std::string places(std::span<const uint32_t> faces) const;
     // What is wrong with the face, which the message names.
     InputError errorAt(uint32_t face, const std::string& what) const;
+    // Where a message names an object, and there are others: how to do without it. Else "".
+    std::string doWithoutNamed(const std::string& message) const;
 };
-
-// R"(node "Window 2")"; "" without a name. What is longer than 40 characters is cut off.
-std::string objectNamed(const char* kind, const std::string& name);
 
 // Both throw InputError naming the line or the field. Unknown keys are ignored.
 RawModel readObj(const std::filesystem::path& file);

@@ -32,6 +32,7 @@ struct SceneArguments {
     std::optional<double> modelScale;  // how many times larger than a model from a file its building is
     std::vector<std::string> glass;    // MATERIAL=T[,T,T] of a model from a file
     std::optional<double> reflectance; // of materials that a model from a file does not define
+    std::vector<std::string> leftOut;  // objects and materials of a model from a file
     std::vector<std::string> blinds;   // [MATERIAL=]STATE, see blinds.h
 };
 

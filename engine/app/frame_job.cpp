@@ -101,6 +101,7 @@ FrameJob frameJobOf(Run& run, const TimelapseArguments& arguments, const Scene& 
         {"--north", input.northDeg},
         {"--glass", input.glass.empty() ? "none" : fmt::format("{}", fmt::join(input.glass, " "))},
         {"--reflectance", orDefault(input.reflectance)},
+        {"--leave-out", input.leftOut.empty() ? "none" : fmt::format("{}", fmt::join(input.leftOut, " "))},
         {"--blinds", input.blinds.empty() ? "open" : fmt::format("{}", fmt::join(input.blinds, " "))},
         {"the model made of INPUT", hashOfScene(scene)},
         {"--site", orDefault(arguments.moment.site)},

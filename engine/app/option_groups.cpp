@@ -25,6 +25,11 @@ void addScene(CLI::App* sub, SceneArguments& scene) {
                     "of materials that a model names and does not define (a missing .mtl), and the brightest "
                     "channel of those that it states as 1 or more, as no paint is")
         ->check(within(0, 0.99));
+    sub->add_option(
+           "--leave-out", scene.leftOut,
+           "NAME of an object, group, node, mesh or material of a model: its faces are taken as not in "
+           "the file; may be given several times")
+        ->allow_extra_args(false);
 }
 
 void addMesh(CLI::App* sub, SceneArguments& scene) {

@@ -241,6 +241,7 @@ geometry::UpAxis upAxisOf(const SceneArguments& arguments) {
 
 geometry::GivenMaterials materialsOf(const SceneArguments& arguments) {
     geometry::GivenMaterials all;
+    all.leftOut = arguments.leftOut;
     if (arguments.reflectance) all.reflectance = static_cast<float>(*arguments.reflectance);
     for (const std::string& text : arguments.glass) {
         const size_t equals = std::min(text.rfind('='), text.size());
@@ -359,6 +360,9 @@ SceneSource readSource(Run& run, const SceneArguments& arguments) {
                          "is for models from files, tokens on the table say it of the walls there");
     if (!materialsOf(arguments).glazing.empty() && kind != InputKind::model)
         throw InputError("--glass", "", "is for models from files, glass on the table is clear");
+    if (!arguments.leftOut.empty() && kind != InputKind::model)
+        throw InputError("--leave-out", "",
+                         "is for models from files, what is no wall lies beside the table");
     if (arguments.up == "z" && kind != InputKind::model)
         run.warn("--up is not used: it is for models from files, what lies on the table has y up");
     SceneSource source;

@@ -53,7 +53,7 @@ void warnOfNoProjectors(Run& run, const std::filesystem::path& rig);
 
 geometry::UpAxis upAxisOf(const SceneArguments& arguments);
 
-// Of --glass and --reflectance. Throws InputError.
+// Of --glass, --reflectance and --leave-out. Throws InputError.
 geometry::GivenMaterials materialsOf(const SceneArguments& arguments);
 
 // The sketch in a file, or detected in a photograph (which needs a rig). Fills `stages.detect` and `detected`

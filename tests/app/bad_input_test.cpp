@@ -481,6 +481,21 @@ TEST_F(BadInput, a_refusal_says_what_may_be_glass) {
     expectRefused("model " + in("m.obj") + " -o " + in("out.obj"), {"m.obj:", "--glass", "Window=0.8"});
 }
 
+// A sheet that ends 1 mm below the ceiling was to reach it, or to be none.
+TEST_F(BadInput, one_object_that_keeps_a_room_from_closing) {
+    writeText(in("m.obj"), "v 0 0 0\nv 4 0 0\nv 4 0 5\nv 0 0 5\nv 0 3 0\nv 4 3 0\nv 4 3 5\nv 0 3 5\no Room\n"
+                           "f 4 3 2 1\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n"
+                           "v 1 1 2\nv 2 1 2\nv 2 2.999 2\nv 1 2.999 2\no Old banner\nf 9 10 11 12\n");
+    const std::string command = "model " + in("m.obj") + " -o " + in("out.obj");
+    expectRefused(command, {"m.obj:21 (object \"Old banner\")", "--leave-out \"Old banner\" does without"});
+    expectRefused(command + " --leave-out Banner", {"Banner", "expected one of Room, Old banner"});
+    expectRefused("model " HELIODON_TEST_DATA "/geometry/sketches/p04_L.json --leave-out w1 -o " +
+                      in("out.glb"),
+                  {"--leave-out", "models from files"});
+    EXPECT_EQ(heliodon(command + " --leave-out 'Old banner' --report " + in("report.json")).exitCode, 0);
+    EXPECT_NE(readText(in("report.json")).find("1 face of \\\"Old banner\\\" left out"), std::string::npos);
+}
+
 TEST_F(BadInput, what_was_assumed_is_not_said_before_what_is_wrong) {
     const std::string sketch = HELIODON_TEST_DATA "/geometry/sketches/p04_L.json --triangles 100 ";
     expectRefused("illuminance " + sketch + "--sky cie:99 -o " + in("out.csv"), {"--sky", "cie:99"});

@@ -15,6 +15,7 @@
 #include "geometry/face_soup.h"
 #include "geometry/input_error.h"
 #include "geometry/mesher.h"
+#include "geometry/raw_model.h"
 
 using namespace heliodon::geometry;
 namespace fs = std::filesystem;
@@ -166,6 +167,38 @@ TEST_F(ModelFile, a_reflectance_for_what_the_file_does_not_define) {
     EXPECT_EQ(of(3).transmittance, glm::vec3(0.9f));
     for (const GivenMaterials& few : {GivenMaterials{panes, {}}, {{panes[0]}, {}}, {{panes[1]}, 0.8f}})
         EXPECT_THROW(readPatches(file, UpAxis::y, few), InputError);
+}
+
+TEST_F(ModelFile, what_is_left_out_by_name_is_as_not_in_the_file) {
+    write("m.mtl", "newmtl wall\nKd 0.5\nnewmtl leaf\nKd 1.5\nnewmtl trunk\nKd 0.25\n");
+    const std::string begin = "mtllib m.mtl\n" + kSquare + "v 9 9 9\nv 8 9 9\nv 8 8 9\n",
+                      wall = "o Wall\nusemtl wall\nf 1 2 3 4\n",
+                      tree = "o Tree\ng top\nusemtl leaf\nf 5 6 7\ng low\nusemtl trunk\nf 5 7 6\n";
+    const std::string file = write("m.obj", begin + tree + wall);
+    const auto without = [&](std::vector<std::string> names) {
+        return readRawModel(file, {.glazing = {}, .reflectance = {}, .leftOut = std::move(names)});
+    };
+    EXPECT_THROW(without({}), InputError);      // Kd 1.5
+    EXPECT_THROW(without({"low"}), InputError); // still
+    for (const std::vector<std::string>& all :
+         {std::vector<std::string>{"Tree"}, {"top", "low"}, {"leaf", "trunk"}}) {
+        const RawModel rest = without(all);
+        ASSERT_EQ(rest.faceCount(), 1u);
+        EXPECT_EQ(rest.place(0), "18 (object \"Wall\")");
+        EXPECT_EQ(std::vector<uint32_t>(rest.face(0).begin(), rest.face(0).end()),
+                  (std::vector<uint32_t>{0, 1, 2, 3}));
+        for (const glm::dvec3 p : rest.vertices) EXPECT_LT(p.x, 2);
+    }
+    EXPECT_EQ(without({"Tree"}).leftOut,
+              std::vector<std::string>{"2 faces of \"Tree\" left out (--leave-out)"});
+    EXPECT_EQ(without({"leaf"}).faceCount(), 2u);
+    try {
+        without({"Bush"});
+        ADD_FAILURE() << "accepted";
+    } catch (const InputError& error) {
+        EXPECT_EQ(error.what(), "--leave-out:Bush: names no face of " + file +
+                                    ", expected one of Tree, Wall, wall, leaf, trunk");
+    }
 }
 
 TEST_F(ModelFile, a_face_of_no_material_is_grey) {
