@@ -91,18 +91,21 @@ public:
         return refusedModel(model_, error.where(), extent_, worldPerBuilding(model_.vertices));
     }
 
-    // Where all else is refused, sheets that stand in rooms are thin boards.
+    // Where all else is refused, sheets that stand in rooms are thin boards, and at last the bottoms on which
+    // they stand, too.
     Building import(const std::function<void()>& beforePart) {
         const ModelFaces drawn = faces_;
         try {
             return importSolids(beforePart);
         } catch (const InputError&) {
-            faces_ = drawn;
-            if (!makeBoards()) throw;
-            try {
-                Building made = importSolids(beforePart);
-                if (!hasInsideOfWalls(made)) return made;
-            } catch (const InputError&) { // what was wrong before says more
+            for (const bool withBottoms : {false, true}) {
+                faces_ = drawn;
+                if (!makeBoards(withBottoms)) continue;
+                try {
+                    Building made = importSolids(beforePart);
+                    if (!hasInsideOfWalls(made)) return made;
+                } catch (const InputError&) { // what was wrong before says more
+                }
             }
             throw;
         }
@@ -182,13 +185,13 @@ private:
         return out;
     }
 
-    bool makeBoards() {
+    bool makeBoards(bool withBottoms) {
         const std::vector<SoupFace> drawn = faces_.soup;
         unite(Solids::thatCross);
         const double scale = worldPerBuilding(model_.vertices), tolerance = kWeldOfExtent * extent_;
         const double thickness = std::max(kBoard * scale, kBoardOfTolerance * tolerance);
-        const auto boards =
-            sheetsAsBoards(faces_.soup, drawn, isGlass_, thickness, kNearWall * scale, tolerance);
+        const auto boards = sheetsAsBoards(faces_.soup, drawn, isGlass_, thickness, kNearWall * scale,
+                                           withBottoms, tolerance);
         if (!boards) return false;
         faces_.soup = boards->faces;
         faces_.warnings.push_back(fmt::format(

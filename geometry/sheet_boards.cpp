@@ -12,10 +12,12 @@
 
 #include "geometry/disjoint_sets.h"
 #include "geometry/flat_faces.h"
+#include "geometry/model_faces.h"
 #include "geometry/open_sheets.h"
 #include "geometry/outline_area.h"
 #include "geometry/sheet_rooms.h"
 #include "geometry/shell_faces.h"
+#include "geometry/space_sheets.h"
 
 namespace heliodon::geometry {
 
@@ -23,8 +25,12 @@ namespace {
 
 using glm::dvec3;
 
-constexpr double kMostOffset = 5; // thicknesses: at the tip of a sharp fold
-constexpr double kAlmost = 0.25;  // of `near`: a sheet that ends so little before a wall was to reach it
+constexpr double kMostOffset = 5;     // thicknesses: at the tip of a sharp fold
+constexpr double kAlmost = 0.25;      // of `near`: a sheet that ends so little before a wall was to reach it
+constexpr double kNearlyFlat = 1e-12; // below 1e-16 a determinant is rounding
+constexpr double kOfFlat = 0.01;      // more than one has no offset between planes that are one or nearly so
+constexpr double kHold = 1e-4;
+constexpr double kPlanar = kPlanarOfExtent / kWeldOfExtent; // tolerances: what rooms take as flat
 constexpr size_t kMostShared = 1; // edges with what is no sheet: more has the last face of a broken body
 
 std::vector<SoupFace> numbered(std::vector<SoupFace> faces) {
@@ -66,14 +72,23 @@ private:
                 }
         }
         offset_.clear();
-        for (const auto& [v, sums] : planes) {
-            const dvec3 d = glm::inverse(sums.first) * sums.second;
-            offset_[v] = d * std::min(1.0, kMostOffset / glm::length(d));
-        }
+        for (const auto& [v, sums] : planes) offset_[v] = offsetFrom(sums.first, sums.second);
         if (endsAlmostOnWalls(members, edges)) return false;
         const auto [ahead, behind] = depths(members);
         for (const uint32_t f : members) addSides(f, ahead, behind, edges, out);
         return true;
+    }
+
+    // Least squares: by which all planes move by one. Where they are one plane or nearly so, the inverse may
+    // be that of rounding errors; then it is held near what the mean plane asks for.
+    static dvec3 offsetFrom(const glm::dmat3& squares, dvec3 sum) {
+        const double all = squares[0][0] + squares[1][1] + squares[2][2];
+        const dvec3 d = glm::inverse(squares) * sum;
+        const bool isFlat =
+            glm::determinant(squares) < kNearlyFlat * all * all * all && glm::length(sum) > 0.5;
+        if (isFlat && (glm::length(d) > 1 + kOfFlat || glm::length(squares * d - sum) > 1e-6 * all))
+            return glm::inverse(squares + glm::dmat3(kHold)) * (sum + kHold * glm::normalize(sum));
+        return d * std::min(1.0, kMostOffset / glm::length(d));
     }
 
     // Over its edges, all sheets to one side.
@@ -167,12 +182,20 @@ private:
             out.back().loops = loops;
             if (isBack) out.back().material = sheet.behind.value_or(sheet.material);
         };
-        std::vector<std::vector<dvec3>> front, back;
-        for (const auto& loop : face.loops) {
-            front.emplace_back(), back.emplace_back();
-            for (const uint32_t v : loop)
-                front.back().push_back(at(v, drawn)), back.back().push_back(at(v, turned));
-            std::ranges::reverse(back.back());
+        // Of corners with offsets of their own; triangles where it is bent by them.
+        const auto addSide = [&](double depth, bool isBack) {
+            const auto moved = [&](const auto& corners) {
+                std::vector<dvec3> loop;
+                for (const uint32_t v : corners) loop.push_back(at(v, depth));
+                if (isBack) std::ranges::reverse(loop);
+                return loop;
+            };
+            std::vector<std::vector<dvec3>> loops;
+            for (const auto& loop : face.loops) loops.push_back(moved(loop));
+            if (isFlat(loops)) return add(loops, isBack);
+            for (const auto& triangle : triangulateFace(welded_, face)) add({moved(triangle)}, isBack);
+        };
+        for (const auto& loop : face.loops)
             for (size_t k = 0; k < loop.size(); ++k) {
                 const uint32_t a = loop[k], b = loop[(k + 1) % loop.size()];
                 if (edges.at(std::minmax(a, b)).size() == 2) continue;
@@ -184,8 +207,16 @@ private:
                 else
                     add({{rim[0], rim[1], rim[2]}}, false), add({{rim[0], rim[2], rim[3]}}, false);
             }
-        }
-        add(front, false), add(back, true);
+        addSide(drawn, false), addSide(turned, true);
+    }
+
+    bool isFlat(const std::vector<std::vector<dvec3>>& loops) const {
+        const dvec3 n = glm::normalize(areaVector(loops[0]));
+        return std::ranges::all_of(loops, [&](const std::vector<dvec3>& loop) {
+            return std::ranges::all_of(loop, [&](dvec3 p) {
+                return std::abs(glm::dot(p - loops[0][0], n)) <= kPlanar * tolerance_;
+            });
+        });
     }
 
     const std::vector<SoupFace>& sheets_;
@@ -234,12 +265,56 @@ bool isOfBody(const std::vector<SoupFace>& drawn, const std::set<uint32_t>& shee
     return false;
 }
 
+// Of boxes and pots without a lid the bottoms, as drawn on a floor or table: they lie on larger faces, and
+// all their edges are those of sheets.
+std::set<uint32_t> bottomsOf(const std::set<uint32_t>& sheets, const std::vector<SoupFace>& faces,
+                             const std::function<bool(uint32_t)>& isGlass, double tolerance) {
+    std::vector<bool> mayBe;
+    for (uint32_t k = 0; k < faces.size(); ++k)
+        mayBe.push_back(!sheets.contains(k) && !isGlass(faces[k].material));
+    const std::vector<Sheet> pieces = cutIntoSheets(faces, tolerance);
+    const auto leaveOut = [&](const auto& which) { // pieces of which no other face is
+        for (const Sheet& piece : pieces) {
+            std::vector<uint32_t> all = piece.drawn[0];
+            all.insert(all.end(), piece.drawn[1].begin(), piece.drawn[1].end());
+            if (which(all))
+                for (const uint32_t k : all) mayBe[k] = false;
+        }
+    };
+    leaveOut([](const auto& all) { return all.size() == 1; });
+    leaveOut([&](const auto& all) { return std::ranges::all_of(all, [&](uint32_t k) { return mayBe[k]; }); });
+    const Building welded = weldedByNumber(faces, tolerance);
+    DisjointSets sets(faces.size()); // a bottom may be drawn as several
+    std::set<uint32_t> open, sharing;
+    for (const auto& [edge, around] : facesOfEdges(welded)) {
+        std::vector<uint32_t> bottoms;
+        bool isOfSheet = false;
+        for (const uint32_t f : around) {
+            const uint32_t k = welded.faces[f].surface;
+            if (mayBe[k]) bottoms.push_back(k);
+            isOfSheet |= sheets.contains(k);
+        }
+        for (const uint32_t k : bottoms) sets.join(k, bottoms[0]);
+        const auto isSame = [&](uint32_t k) { // drawn for its other side
+            return sortedCorners(faces[k]) == sortedCorners(faces[bottoms[0]]);
+        };
+        if (isOfSheet || std::ranges::all_of(bottoms, isSame))
+            (isOfSheet ? sharing : open).insert(bottoms.begin(), bottoms.end());
+    }
+    std::set<uint32_t> held, out;
+    for (const uint32_t k : sharing) held.insert(sets.root(k));
+    for (const uint32_t k : open) held.erase(sets.root(k));
+    for (uint32_t k = 0; k < faces.size(); ++k)
+        if (mayBe[k] && held.contains(sets.root(k))) out.insert(k);
+    return out;
+}
+
 } // namespace
 
 std::optional<SheetBoards> sheetsAsBoards(const std::vector<SoupFace>& faces,
                                           const std::vector<SoupFace>& drawn,
                                           const std::function<bool(uint32_t)>& isGlass, double thickness,
-                                          double near, double tolerance) {
+                                          double near, bool withBottoms, double tolerance) {
     std::set<uint32_t> inRooms;
     std::vector<SoupFace> left = numbered(faces);
     // Again for those that lie on others: of a piece that is drawn twice only one is told.
@@ -255,6 +330,11 @@ std::optional<SheetBoards> sheetsAsBoards(const std::vector<SoupFace>& faces,
                 changed |= inRooms.insert(open.surface).second;
         }
         std::erase_if(left, [&](const SoupFace& face) { return inRooms.contains(face.surface); });
+    }
+    if (withBottoms) {
+        std::set<uint32_t> bottoms = bottomsOf(inRooms, faces, isGlass, tolerance);
+        if (bottoms.empty()) return std::nullopt;
+        inRooms.merge(bottoms);
     }
     std::set<uint32_t> surfaces;
     for (const uint32_t k : inRooms) surfaces.insert(faces[k].surface);

@@ -162,6 +162,55 @@ TEST(SheetBoards, decals_a_hair_before_a_wall_draw_no_other_warnings) {
     }
 }
 
+// Where the planes at a corner are one, or many, some of them one.
+TEST(SheetBoards, leaning_and_folded_sheets_of_many_faces_are_a_millimetre_thick) {
+    const auto thickness = [](dvec3 at, const std::vector<dvec3>& along, const std::vector<dvec3>& across) {
+        Drawing drawing(false);
+        drawing.room(0, -1, true);
+        double area = 0;
+        for (const dvec3 u : along) {
+            dvec3 o = at;
+            for (const dvec3 v : across) {
+                drawing.sheet(o, u, v);
+                area += glm::length(glm::cross(u, v));
+                o += v;
+            }
+            at += u;
+        }
+        return (50 - read(drawing).size) / area;
+    };
+    const dvec3 u(0.4, 0.13, 0.27), v(-0.21, 0.37, 0.11);
+    const dvec3 up(0.25, 0.12, 0), down(0.25, -0.12, 0), far(0, 0.12, 0.25), on(0, -0.12, 0.25);
+    EXPECT_NEAR(thickness({1, 1, 1}, {u}, {v}), 1e-3, 1e-6);
+    EXPECT_NEAR(thickness({1, 1, 1}, {u, u}, {v, v}), 1e-3, 1e-6);
+    EXPECT_NEAR(thickness({1, 1, 1}, {u, u, 0.7 * u}, {v, v}), 1e-3, 1e-6);
+    EXPECT_NEAR(thickness({1, 1, 1}, {up, down, down}, {far, far, on, far}), 1e-3, 1e-5);
+    EXPECT_NEAR(thickness({1, 1, 1}, {up, 1.1 * up, down, up}, {far, on, 1.3 * on}), 1e-3, 1e-5);
+}
+
+// Half of the bottom's millimetre is in the floor, or, as that of some without a divider, all.
+TEST(SheetBoards, boxes_without_a_lid_stand_on_floors) {
+    for (const double divided : {0.0, 0.3})
+        for (const bool twoSided : {false, true}) {
+            Drawing drawing(false);
+            drawing.room(0, -1, true);
+            drawing.triangles = twoSided;
+            drawing.twoSided = twoSided;
+            SCOPED_TRACE(fmt::format("divided at {}, {}", divided, twoSided ? "two-sided" : "one-sided"));
+            const dvec3 size(0.6, 0.3, 0.4);
+            for (const size_t k : {0u, 2u, 3u, 4u, 5u}) {
+                const auto [at, u, v] = Drawing::sidesOf({1, 0, 2}, size)[k];
+                drawing.face("paint", {at, at + v, at + u + v, at + u});
+            }
+            if (divided > 0) drawing.sheet({1 + divided, 0, 2}, {0, 0, 0.4}, {0, 0.3, 0});
+            const auto [air, area] = read(drawing);
+            const double sides = 2 * 0.3 * (0.6 + 0.4), divider = divided > 0 ? 0.3 * 0.4 : 0;
+            EXPECT_NEAR(air, 50 - 1e-3 * (sides + divider + 0.25 * 0.24), 6.2e-5);
+            EXPECT_NEAR(area.at("paint"), 2 * sides + 0.24, 4e-3);
+            EXPECT_NEAR(area.at("wall"), 85 - 2.4 - 0.24 + 2 * divider, 4e-3);
+        }
+}
+
 TEST(SheetBoards, each_side_has_its_material) {
     Drawing drawing(false);
     drawing.room(0, -1, true);
