@@ -40,10 +40,11 @@ std::vector<SoupFace> numbered(std::vector<SoupFace> faces) {
 
 class BoardMaker {
 public:
-    BoardMaker(const std::vector<SoupFace>& sheets, const TriangleRays& walls, double thickness, double near,
-               double tolerance)
-        : sheets_(sheets), walls_(walls), thickness_(thickness), near_(near), tolerance_(tolerance),
-          welded_(weldedByNumber(sheets, tolerance)) {}
+    // `all`: the walls and the glass.
+    BoardMaker(const std::vector<SoupFace>& sheets, const TriangleRays& walls, const TriangleRays& all,
+               double thickness, double near, double tolerance)
+        : sheets_(sheets), walls_(walls), all_(all), thickness_(thickness), near_(near),
+          tolerance_(tolerance), welded_(weldedByNumber(sheets, tolerance)) {}
 
     // False where a sheet has one side alone, or ends a hair before a wall.
     bool make(std::vector<SoupFace>& out) {
@@ -149,24 +150,42 @@ private:
         if (std::ranges::any_of(members,
                                 [&](uint32_t f) { return glm::dot(normalOf(f), n) < kOnePlaneCosine; }))
             return {half, half};
-        for (const double side : {1.0, -1.0}) {
-            double least = near_, most = 0;
-            bool all = true;
-            for (const uint32_t f : members) {
-                dvec3 middle(0);
-                const auto& loop = welded_.faces[f].loops[0];
-                for (const uint32_t v : loop) middle += welded_.vertices[v] / double(loop.size());
-                for (const uint32_t v : loop) { // not along the border of the wall
-                    const dvec3 p = glm::mix(welded_.vertices[v], middle, 1e-3);
-                    const double far = walls_.nearest(p, side * n, near_);
-                    all &= far <= near_;
-                    least = std::min(least, far), most = std::max(most, far);
-                }
-            }
-            const double back = most - least > tolerance_ ? most + thickness_ : most; // leaning ones into it
-            if (all) return side > 0 ? std::pair(back, 0.0) : std::pair(0.0, back);
-        }
+        for (const double side : {1.0, -1.0})
+            if (const Gap gap = gapTo(walls_, members, side * n, near_); gap.all) return reach(gap, side);
+        // Half over a window, and nearer than a board reaches.
+        for (const double side : {1.0, -1.0})
+            if (const Gap gap = gapTo(all_, members, side * n, half - tolerance_);
+                gap.all && gapTo(walls_, members, side * n, half - tolerance_).any)
+                return reach(gap, side);
         return {half, half};
+    }
+
+    struct Gap {
+        bool all = true, any = false; // of the corners have something behind them
+        double least, most = 0;
+    };
+
+    Gap gapTo(const TriangleRays& walls, const std::vector<uint32_t>& members, dvec3 way,
+              double within) const {
+        Gap gap{.least = within};
+        for (const uint32_t f : members) {
+            dvec3 middle(0);
+            const auto& loop = welded_.faces[f].loops[0];
+            for (const uint32_t v : loop) middle += welded_.vertices[v] / double(loop.size());
+            for (const uint32_t v : loop) { // not along the border of the wall
+                const dvec3 p = glm::mix(welded_.vertices[v], middle, 1e-3);
+                const double far = walls.nearest(p, way, within);
+                gap.all &= far <= within, gap.any |= far <= within;
+                gap.least = std::min(gap.least, far), gap.most = std::max(gap.most, far);
+            }
+        }
+        return gap;
+    }
+
+    std::pair<double, double> reach(const Gap& gap, double side) const {
+        const double back =
+            gap.most - gap.least > tolerance_ ? gap.most + thickness_ : gap.most; // leaning ones into it
+        return side > 0 ? std::pair(back, 0.0) : std::pair(0.0, back);
     }
 
     void addSides(uint32_t f, double ahead, double behind, const std::map<Edge, std::vector<uint32_t>>& edges,
@@ -220,7 +239,7 @@ private:
     }
 
     const std::vector<SoupFace>& sheets_;
-    const TriangleRays& walls_;
+    const TriangleRays &walls_, &all_;
     double thickness_, near_, tolerance_;
     Building welded_;
     std::map<uint32_t, bool> over_;    // per face of one whole
@@ -349,8 +368,12 @@ std::optional<SheetBoards> sheetsAsBoards(const std::vector<SoupFace>& faces,
         out.faces.push_back(faces[k]);
         if (!isGlass(faces[k].material)) walls.push_back(faces[k]);
     }
-    const TriangleRays rays(trianglesOf(flatFacesOf(weldedByNumber(walls, tolerance))), tolerance);
-    if (!BoardMaker(drawnOnce(sheets), rays, thickness, near, tolerance).make(out.faces)) return std::nullopt;
+    const auto raysOf = [&](const std::vector<SoupFace>& some) {
+        return TriangleRays(trianglesOf(flatFacesOf(weldedByNumber(some, tolerance))), tolerance);
+    };
+    const TriangleRays ofWalls = raysOf(walls), ofAll = raysOf(out.faces);
+    if (!BoardMaker(drawnOnce(sheets), ofWalls, ofAll, thickness, near, tolerance).make(out.faces))
+        return std::nullopt;
     return out;
 }
 

@@ -18,12 +18,13 @@ struct SheetBoards {
 
 // Each face of which a part hangs open (geometry/open_sheets) within what the others enclose becomes, with
 // those that it shares an edge with, a closed board whose faces look out of it, each side with its material:
-// `thickness` (metres), half on either side, but back to a wall that is parallel and `near` at most. Glass
-// (`isGlass` of a material) is none. None where there is no such face, or one has one side alone, like a
-// Moebius strip, ends before a wall by less than a quarter of `near` (it was to reach it), or has two edges
-// or more with other faces as they were `drawn` (what is left of a body that lacks one). `withBottoms`: with
-// what lies on other faces and has edges with such sheets alone, as the bottom of a box without a lid, and
-// none where there is none. Corners are one within `tolerance` (metres). Cost: that of openSheets().
+// `thickness` (metres), half on either side, but back to a wall that is parallel and `near` at most, and to
+// walls and glass together that it would reach into. Glass (`isGlass` of a material) is none. None where
+// there is no such face, or one has one side alone, like a Moebius strip, ends before a wall by less than a
+// quarter of `near` (it was to reach it), or has two edges or more with other faces as they were `drawn`
+// (what is left of a body that lacks one). `withBottoms`: with what lies on other faces and has edges with
+// such sheets alone, as the bottom of a box without a lid, and none where there is none. Corners are one
+// within `tolerance` (metres). Cost: that of openSheets().
 std::optional<SheetBoards> sheetsAsBoards(const std::vector<SoupFace>& faces,
                                           const std::vector<SoupFace>& drawn,
                                           const std::function<bool(uint32_t)>& isGlass, double thickness,

@@ -146,6 +146,22 @@ TEST(SheetBoards, nothing_is_left_behind_what_lies_on_walls_of_triangles) {
     }
 }
 
+// However near the window of which they hide half.
+TEST(SheetBoards, posters_half_over_a_window_hide_that_of_it) {
+    for (const bool twoSided : {false, true})
+        for (const double gap : {5e-5, 1e-4, 4e-4}) {
+            Drawing drawing(false);
+            drawing.room(0, -1, true);
+            drawing.twoSided = twoSided;
+            drawing.face("paint", {{2, 1, gap}, {3.5, 1, gap}, {3.5, 1.4, gap}, {2, 1.4, gap}});
+            const auto [size, area] = read(drawing);
+            EXPECT_NEAR(size, 50 - 0.6 * gap, 1e-6) << gap;
+            EXPECT_NEAR(area.at("paint"), 0.6 + 3.8 * gap, 1e-4) << gap;
+            EXPECT_NEAR(area.at("wall") + area.at("glass"), 85 - 0.6, 1e-4) << gap;
+            EXPECT_NEAR(area.at("glass"), 2.4 - 0.4, 1e-4) << gap;
+        }
+}
+
 // However near: none runs into the wall or is taken to stand outside.
 TEST(SheetBoards, decals_a_hair_before_a_wall_draw_no_other_warnings) {
     for (const double gap : {5e-5, 8e-5, 1e-4, 1.3e-4, 2e-4, 1e-3, 3e-3}) {
