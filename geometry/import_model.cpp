@@ -91,16 +91,15 @@ public:
         return refusedModel(model_, error.where(), extent_, worldPerBuilding(model_.vertices));
     }
 
-    // Where all else is refused, sheets that stand in rooms are thin boards, and at last the bottoms on which
-    // they stand, too.
+    // Where all else is refused, sheets that stand in rooms are thin boards.
     Building import(const std::function<void()>& beforePart) {
         const ModelFaces drawn = faces_;
         try {
             return importSolids(beforePart);
         } catch (const InputError&) {
-            for (const bool withBottoms : {false, true}) {
-                faces_ = drawn;
-                if (!makeBoards(withBottoms)) continue;
+            faces_ = drawn;
+            for (ModelFaces& faces : withBoards()) {
+                faces_ = std::move(faces);
                 try {
                     Building made = importSolids(beforePart);
                     if (!hasInsideOfWalls(made)) return made;
@@ -185,20 +184,23 @@ private:
         return out;
     }
 
-    bool makeBoards(bool withBottoms) {
+    // In the ways that sheetsAsBoards() has.
+    std::vector<ModelFaces> withBoards() {
         const std::vector<SoupFace> drawn = faces_.soup;
         unite(Solids::thatCross);
         const double scale = worldPerBuilding(model_.vertices), tolerance = kWeldOfExtent * extent_;
         const double thickness = std::max(kBoard * scale, kBoardOfTolerance * tolerance);
-        const auto boards = sheetsAsBoards(faces_.soup, drawn, isGlass_, thickness, kNearWall * scale,
-                                           withBottoms, tolerance);
-        if (!boards) return false;
-        faces_.soup = boards->faces;
-        faces_.warnings.push_back(fmt::format(
-            "{} (the first at {}) in rooms enclose nothing: taken as boards {:.2g} m thick, or that "
-            "lie on the wall or floor which is right behind",
-            counted(boards->sheets, "face"), model_.place(boards->surface), inBuilding(thickness)));
-        return true;
+        std::vector<ModelFaces> out;
+        for (SheetBoards& boards :
+             sheetsAsBoards(faces_.soup, drawn, isGlass_, thickness, kNearWall * scale, tolerance)) {
+            ModelFaces& faces = out.emplace_back(faces_);
+            faces.soup = std::move(boards.faces);
+            faces.warnings.push_back(fmt::format(
+                "{} (the first at {}) in rooms enclose nothing: taken as boards {:.2g} m thick, or that "
+                "lie on the wall or floor which is right behind",
+                counted(boards.sheets, "face"), model_.place(boards.surface), inBuilding(thickness)));
+        }
+        return out;
     }
 
     bool hasInsideOfWalls(const Building& building) const {

@@ -328,36 +328,14 @@ std::set<uint32_t> bottomsOf(const std::set<uint32_t>& sheets, const std::vector
     return out;
 }
 
-} // namespace
-
-std::optional<SheetBoards> sheetsAsBoards(const std::vector<SoupFace>& faces,
-                                          const std::vector<SoupFace>& drawn,
-                                          const std::function<bool(uint32_t)>& isGlass, double thickness,
-                                          double near, bool withBottoms, double tolerance) {
-    std::set<uint32_t> inRooms;
-    std::vector<SoupFace> left = numbered(faces);
-    // Again for those that lie on others: of a piece that is drawn twice only one is told.
-    for (bool changed = true; changed;) {
-        changed = false;
-        const auto parts = openSheets(
-            left, [](uint32_t) { return false; }, tolerance);
-        if (!parts) break;
-        const SheetRooms rooms(parts->closed, isGlass, tolerance);
-        for (const FlatFace& piece : flatFacesOf(weldedByNumber(parts->open, tolerance))) {
-            const SoupFace& open = parts->open[piece.surface];
-            if (!isGlass(open.material) && !piece.triangles.empty() && liesIn(rooms, piece, tolerance))
-                changed |= inRooms.insert(open.surface).second;
-        }
-        std::erase_if(left, [&](const SoupFace& face) { return inRooms.contains(face.surface); });
-    }
-    if (withBottoms) {
-        std::set<uint32_t> bottoms = bottomsOf(inRooms, faces, isGlass, tolerance);
-        if (bottoms.empty()) return std::nullopt;
-        inRooms.merge(bottoms);
-    }
+// None where they are of a broken body, or BoardMaker makes none.
+std::optional<SheetBoards> boardsOf(const std::set<uint32_t>& inRooms, const std::vector<SoupFace>& faces,
+                                    const std::vector<SoupFace>& drawn,
+                                    const std::function<bool(uint32_t)>& isGlass, double thickness,
+                                    double near, double tolerance) {
     std::set<uint32_t> surfaces;
     for (const uint32_t k : inRooms) surfaces.insert(faces[k].surface);
-    if (inRooms.empty() || isOfBody(drawn, surfaces, tolerance)) return std::nullopt;
+    if (isOfBody(drawn, surfaces, tolerance)) return std::nullopt;
     SheetBoards out{.faces = {}, .sheets = inRooms.size(), .surface = faces[*inRooms.begin()].surface};
     std::vector<SoupFace> sheets, walls;
     for (uint32_t k = 0; k < faces.size(); ++k) {
@@ -374,6 +352,42 @@ std::optional<SheetBoards> sheetsAsBoards(const std::vector<SoupFace>& faces,
     const TriangleRays ofWalls = raysOf(walls), ofAll = raysOf(out.faces);
     if (!BoardMaker(drawnOnce(sheets), ofWalls, ofAll, thickness, near, tolerance).make(out.faces))
         return std::nullopt;
+    return out;
+}
+
+} // namespace
+
+std::vector<SheetBoards> sheetsAsBoards(const std::vector<SoupFace>& faces,
+                                        const std::vector<SoupFace>& drawn,
+                                        const std::function<bool(uint32_t)>& isGlass, double thickness,
+                                        double near, double tolerance) {
+    std::set<uint32_t> inRooms;
+    std::vector<SoupFace> left = numbered(faces);
+    // Again for those that lie on others: of a piece that is drawn twice only one is told.
+    for (bool changed = true; changed;) {
+        changed = false;
+        const auto parts = openSheets(
+            left, [](uint32_t) { return false; }, tolerance);
+        if (!parts) break;
+        const SheetRooms rooms(parts->closed, isGlass, tolerance);
+        for (const FlatFace& piece : flatFacesOf(weldedByNumber(parts->open, tolerance))) {
+            const SoupFace& open = parts->open[piece.surface];
+            if (!isGlass(open.material) && !piece.triangles.empty() && liesIn(rooms, piece, tolerance))
+                changed |= inRooms.insert(open.surface).second;
+        }
+        std::erase_if(left, [&](const SoupFace& face) { return inRooms.contains(face.surface); });
+    }
+    std::vector<SheetBoards> out;
+    const auto tryOf = [&](const std::set<uint32_t>& sheets) {
+        if (auto boards = boardsOf(sheets, faces, drawn, isGlass, thickness, near, tolerance))
+            out.push_back(std::move(*boards));
+    };
+    if (inRooms.empty()) return out;
+    tryOf(inRooms);
+    std::set<uint32_t> bottoms = bottomsOf(inRooms, faces, isGlass, tolerance);
+    if (bottoms.empty()) return out;
+    inRooms.merge(bottoms);
+    tryOf(inRooms);
     return out;
 }
 

@@ -3,7 +3,6 @@
 
 #include <cstdint>
 #include <functional>
-#include <optional>
 #include <vector>
 
 #include "geometry/face_soup.h"
@@ -22,12 +21,12 @@ struct SheetBoards {
 // walls and glass together that it would reach into. Glass (`isGlass` of a material) is none. None where
 // there is no such face, or one has one side alone, like a Moebius strip, ends before a wall by less than a
 // quarter of `near` (it was to reach it), or has two edges or more with other faces as they were `drawn`
-// (what is left of a body that lacks one). `withBottoms`: with what lies on other faces and has edges with
-// such sheets alone, as the bottom of a box without a lid, and none where there is none. Corners are one
-// within `tolerance` (metres). Cost: that of openSheets().
-std::optional<SheetBoards> sheetsAsBoards(const std::vector<SoupFace>& faces,
-                                          const std::vector<SoupFace>& drawn,
-                                          const std::function<bool(uint32_t)>& isGlass, double thickness,
-                                          double near, bool withBottoms, double tolerance);
+// (what is left of a body that lacks one). Where some stand on faces that lie on others and have edges with
+// such sheets alone, as the bottom of a box without a lid, once more with these. Corners are one within
+// `tolerance` (metres). Cost: that of openSheets().
+std::vector<SheetBoards> sheetsAsBoards(const std::vector<SoupFace>& faces,
+                                        const std::vector<SoupFace>& drawn,
+                                        const std::function<bool(uint32_t)>& isGlass, double thickness,
+                                        double near, double tolerance);
 
 } // namespace heliodon::geometry
