@@ -305,15 +305,17 @@ private:
             if (!within) throw;
             ModelFaces faces = faces_;
             faces.soup = std::move(within->soup);
-            try {
-                ModelRooms out = roomsOf(faces, made, beforePart);
-                out.building.repairs.push_back(
-                    fmt::format("{} with one room on both sides: seen through, as glass with a thickness",
-                                counted(within->panes, "pane")));
-                return out;
-            } catch (const InputError&) { // what was wrong before says more
-                throw InputError(wrong);
-            }
+            for (const bool exact : {false, true}) // closing gaps closes what is between glass and boards
+                try {
+                    faces.exact = exact;
+                    ModelRooms out = roomsOf(faces, made, beforePart);
+                    out.building.repairs.push_back(
+                        fmt::format("{} with one room on both sides: seen through, as glass with a thickness",
+                                    counted(within->panes, "pane")));
+                    return out;
+                } catch (const InputError&) { // what was wrong before says more
+                }
+            throw InputError(wrong);
         }
     }
 

@@ -24,6 +24,7 @@ struct ModelFaces {
     // By the face's number in the file, world metres: bent so far that this may be what keeps rooms from
     // closing.
     std::map<uint32_t, double> folded;
+    bool exact = false; // corners stand where they are meant to: no gaps are to be closed
     double coarser = 1; // how many times tolerances are wider, of files with few decimals
 };
 

@@ -195,7 +195,7 @@ private:
     // A wider tolerance, only when the model is open without it and closed with it.
     void closeGaps() {
         for (const double gap : kGapsOfExtent) {
-            if (gap > kWeldOfExtent && (faces_.coarser > 1 || !weldsWithin(gap))) continue;
+            if (gap > kWeldOfExtent && (faces_.exact || faces_.coarser > 1 || !weldsWithin(gap))) continue;
             const auto edges = facesOfEdges(building_);
             if (!building_.faces.empty() &&
                 std::ranges::none_of(edges, [](const auto& entry) { return entry.second.size() == 1; })) {

@@ -146,6 +146,26 @@ TEST(SheetBoards, nothing_is_left_behind_what_lies_on_walls_of_triangles) {
     }
 }
 
+// Nor do gaps between boards and the glass in them, less than a millimetre wide, close.
+TEST(SheetBoards, a_partition_with_an_open_door_and_a_pane_has_its_room_on_both_sides) {
+    for (const bool triangles : {false, true}) {
+        Drawing drawing(false);
+        drawing.room(0, -1, true);
+        drawing.triangles = triangles;
+        const auto part = [&](const char* material, double left, double low, double right, double high) {
+            drawing.face(material,
+                         {{left, low, 2.5}, {right, low, 2.5}, {right, high, 2.5}, {left, high, 2.5}});
+        };
+        part("wall", 0, 0, 0.5, 2.5), part("wall", 0.5, 2.1, 1.4, 2.5), part("wall", 1.4, 0, 2, 2.5);
+        part("wall", 2, 0, 3.2, 0.9), part("glass", 2, 0.9, 3.2, 2.1), part("wall", 2, 2.1, 3.2, 2.5);
+        part("wall", 3.2, 0, 4, 2.5);
+        const auto [size, area] = read(drawing);
+        const double pane = 1.2 * 1.2, boards = 10 - 0.9 * 2.1 - pane;
+        EXPECT_NEAR(area.at("glass"), 2.4 + 2 * pane, 1e-3);
+        EXPECT_NEAR(size, 50 - 1e-3 * boards - 1e-4 * std::sqrt(16 + 25 + 2.5 * 2.5) * pane, 1e-5);
+    }
+}
+
 // However near the window of which they hide half.
 TEST(SheetBoards, posters_half_over_a_window_hide_that_of_it) {
     for (const bool twoSided : {false, true})
