@@ -48,7 +48,7 @@ std::vector<DarkOrNot> roomsByGlass(const ModelRooms& rooms, const RawModel& mod
         DarkOrNot& room = all[face.room];
         const uint32_t drawn = rooms.source[f];
         room.surface = drawn;
-        room.names.insert(model.object[model.group[drawn]]);
+        room.names.insert(model.object[model.group[drawn]].name);
         for (const uint32_t v : face.loops[0])
             room.box = {glm::min(room.box.low, building.vertices[v]),
                         glm::max(room.box.high, building.vertices[v])};
@@ -105,7 +105,7 @@ bool isSaidToBeRoom(const DarkOrNot& room, const DarkOrNot& light) {
     };
     if (meet(room.floors, light.floors)) return true;
     return !meet(room.names, light.names) && std::ranges::all_of(room.names, [](const std::string& name) {
-        return lowered(name).find("\"room") != std::string::npos;
+        return lowered(name).starts_with("room");
     });
 }
 
