@@ -35,7 +35,8 @@ void runCase(gpu::Device& device, const std::filesystem::path& folder, size_t tr
              const compute::TransportOptions& options) {
     const test::DaylightCase room = test::readCase(folder);
     const geometry::PatchMesh mesh =
-        geometry::meshBuilding(geometry::importModel(folder / "model.obj", geometry::UpAxis::z), {triangles});
+        geometry::meshBuilding(geometry::importModel(folder / "model.obj", geometry::UpAxis::z),
+                               {.triangles = triangles, .ofModel = true});
     const double cpu = cpuSeconds(), wall = wallSeconds();
     compute::DaylightTransport transport(device, mesh, options);
     const double factors = cpuSeconds() - cpu;

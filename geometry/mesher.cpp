@@ -70,11 +70,12 @@ public:
     BuildingMesher(const Building& building, const MeshOptions& options, bool careful)
         : building_(building), beforePart_(options.beforePart),
           wanted_(static_cast<double>(std::max<size_t>(options.triangles, 1))),
-          narrowest_(options.mergesFacets ? kNarrowestOfMany : kNarrowest),
+          narrowest_(options.ofModel ? kNarrowestOfMany : kNarrowest),
           regular_(regularEdge(building, wanted_)),
-          domains_(findMeshDomains(building, regular_, options.mergesFacets, careful)),
+          domains_(findMeshDomains(building, regular_, options.ofModel, careful)),
           sampler_(building, domains_, slotSizes(building, domains_, regular_, wanted_),
-                   boardRows(building, domains_, regular_, wanted_)) {
+                   options.ofModel ? boardRows(building, domains_, regular_, wanted_)
+                                   : std::vector<uint32_t>(domains_.size(), 0)) {
         for (const MeshDomain& domain : domains_) areas_.push_back(domainArea(domain));
     }
 

@@ -18,9 +18,10 @@ struct MeshOptions {
         2000; // aimed at; the result is within a few percent where the building's own edges allow
     // Called before each part of the work (0.2 s of 10^6 triangles); what it throws ends the work.
     std::function<void()> beforePart = [] {};
-    // Facets of curved walls much narrower than triangles become as wide: for models, whose facets nobody has
-    // fitted to the triangles. The room loses or gains what lies between the facets and their chords.
-    bool mergesFacets = false;
+    // Facets of curved walls much narrower than triangles, which in a model nobody has fitted to these,
+    // become as wide: the room loses or gains what lies between the facets and their chords. And boards have
+    // rectangles, for louvres are drawn in models alone: the stubs of walls beside a corridor are none.
+    bool ofModel = false;
 };
 
 constexpr double kSharpCorner = 72; // degrees: below, there is no room for two angles of 36

@@ -94,10 +94,16 @@ TEST(BoardRows, what_joins_boards_across_more_than_a_third_of_their_depth_is_no_
     EXPECT_EQ(back(1.01, 1.15), 0U);
 }
 
+// Walls of sketches beside a corridor may be as close.
+TEST(BoardRows, are_of_models_alone) {
+    const PatchMesh mesh = meshBuilding(boardsOf({.boards = 5}), {800});
+    for (size_t i = 0; i < mesh.patchCount(); ++i) EXPECT_EQ(mesh.patch(i).size(), 3U);
+}
+
 TEST(BoardRows, make_grids_that_meet_what_lies_beside_them_corner_to_corner) {
     constexpr std::array kAreas{0.4, 0.4, 0.02, 0.02, 0.002, 0.002};
     for (const size_t wanted : {300, 800, 2000}) {
-        const PatchMesh mesh = meshBuilding(boardsOf({.boards = 5}), {wanted});
+        const PatchMesh mesh = meshBuilding(boardsOf({.boards = 5}), {.triangles = wanted, .ofModel = true});
         std::map<uint32_t, double> areas; // per surface, square metres
         std::map<std::pair<uint32_t, uint32_t>, int> sides;
         for (size_t i = 0; i < mesh.patchCount(); ++i) {

@@ -397,7 +397,7 @@ TEST(CurvedFacets, a_models_wall_is_one_surface_where_its_normals_say_so) {
         EXPECT_EQ(surfacesOf(roundModel(6, true, triangles)), 8);             // corners of 60 degrees
         for (const int sides : {24, 100}) {
             const Building building = roundModel(sides, true, triangles);
-            const MeshQuality mesh = measureMesh(meshBuilding(building, {.mergesFacets = true}));
+            const MeshQuality mesh = measureMesh(meshBuilding(building, {.ofModel = true}));
             EXPECT_NEAR(static_cast<double>(mesh.triangles), 2000, 60);
             EXPECT_GE(mesh.minAngleDeg, 30);
         }
@@ -409,7 +409,7 @@ TEST(CurvedFacets, facets_much_narrower_than_triangles_are_merged) {
     for (const bool triangles : {false, true})
         for (const int sides : {100, 200, 400}) {
             const Building building = roundModel(sides, true, triangles);
-            const PatchMesh mesh = meshBuilding(building, {.mergesFacets = true});
+            const PatchMesh mesh = meshBuilding(building, {.ofModel = true});
             const MeshQuality quality = measureMesh(mesh);
             EXPECT_NEAR(static_cast<double>(quality.triangles), 2000, 60) << sides;
             EXPECT_GE(quality.minAngleDeg, 36) << sides;
@@ -422,7 +422,7 @@ TEST(CurvedFacets, facets_much_narrower_than_triangles_are_merged) {
 // meshed one by one: with facets as they come there are 1196 triangles for 300, with angles of 0.6 degrees.
 TEST(CurvedFacets, small_circles_of_narrow_facets_keep_their_volume) {
     const Building building = roundModel(300, true, false);
-    const PatchMesh mesh = meshBuilding(building, {.triangles = 300, .mergesFacets = true});
+    const PatchMesh mesh = meshBuilding(building, {.triangles = 300, .ofModel = true});
     const MeshQuality quality = measureMesh(mesh);
     EXPECT_NEAR(static_cast<double>(quality.triangles), 300, 15);
     EXPECT_GE(quality.minAngleDeg, 25);
@@ -436,7 +436,7 @@ TEST(CurvedFacets, small_circles_of_narrow_facets_keep_their_volume) {
 // Rounded coordinates put some corners of very narrow facets into one straight line, and such walls were left
 // with all of their facets: 6 GB of memory.
 TEST(CurvedFacets, facets_in_one_plane_by_chance_do_not_keep_others_from_merging) {
-    const PatchMesh mesh = meshBuilding(roundModel(8000, true, false), {.mergesFacets = true});
+    const PatchMesh mesh = meshBuilding(roundModel(8000, true, false), {.ofModel = true});
     EXPECT_NEAR(static_cast<double>(mesh.patchCount()), 2000, 60);
 }
 
@@ -453,7 +453,7 @@ TEST(CurvedFacets, what_stands_close_before_a_wall_keeps_its_facets) {
         volumeOf += 0.05 * 0.0995 * 0.5;
     }
     const Building building = roundModel(200, true, false, "", solids);
-    const PatchMesh mesh = meshBuilding(building, {.mergesFacets = true});
+    const PatchMesh mesh = meshBuilding(building, {.ofModel = true});
     // Chords of 0.11 radians take 0.2 % off, and triangles over the folds between them as much.
     EXPECT_NEAR(volume(mesh), std::numbers::pi - volumeOf, 6e-3 * std::numbers::pi);
     // No part of the floor twice, nor beyond the wall: its triangles have the area of its outline.
@@ -525,7 +525,7 @@ TEST(CurvedFacets, a_wall_may_hang_together_in_a_corner_beside_triangles_that_le
                 for (size_t m = 0; m < k; ++m)
                     EXPECT_GT(glm::length(domain.planar[l][k] - domain.planar[l][m]), 0.1);
     const double own = volume(ownTriangles(building));
-    EXPECT_NEAR(volume(meshBuilding(building, {.mergesFacets = true})), own, 1e-9 * own);
+    EXPECT_NEAR(volume(meshBuilding(building, {.ofModel = true})), own, 1e-9 * own);
 }
 
 // Some of whose triangles span two facets, so that a fold runs out of what is left of the wall.
@@ -534,7 +534,7 @@ TEST(CurvedFacets, of_a_mesh_whose_triangles_lean_are_meshed_again) {
     const PatchMesh mesh = meshBuilding(*closure.building);
     const std::string file = testing::TempDir() + "across.obj";
     writeModel(mesh, file);
-    const PatchMesh again = meshBuilding(importModel(file), {.mergesFacets = true});
+    const PatchMesh again = meshBuilding(importModel(file), {.ofModel = true});
     EXPECT_NEAR(volume(again), volume(mesh), 2e-3 * volume(mesh));
 }
 
