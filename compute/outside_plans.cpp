@@ -19,7 +19,8 @@ constexpr double kOfDistance = 0.25, kOfOpening = 0.125; // the longest cell
 // Of boards: how far before one the next may be, in its depths; rows, of which no more than the gap calls
 // for.
 constexpr double kFarthest = 1.3, kMostRows = 8, kOfGap = 0.25;
-constexpr double kSquare = 1.5; // length over depth: up to it light falls off either way
+constexpr double kNarrower = 0.7; // than cells are elsewhere: rows worth their while
+constexpr double kSquare = 1.5;   // length over depth: up to it light falls off either way
 
 double gap(const geometry::Bounds& a, const geometry::Bounds& b) {
     return glm::length(glm::max(dvec3(0), glm::max(a.low - b.high, b.low - a.high)));
@@ -67,7 +68,10 @@ public:
         }
     }
 
-    std::vector<OutsidePlan> done() { return std::move(plans_); }
+    std::vector<OutsidePlan> done() {
+        for (OutsidePlan& plan : plans_) plan.board = boardOf(plan);
+        return std::move(plans_);
+    }
 
 private:
     bool hasColour(uint32_t material) const {
@@ -78,13 +82,19 @@ private:
     OutsidePlan& add(size_t r) {
         planned_[r] = true;
         const dvec3 normal = normalOf(surfaces_.all[r]), u = longestSide(surfaces_.all[r].corners);
-        OutsidePlan& plan = plans_.emplace_back(static_cast<uint32_t>(r), normal, u, glm::cross(normal, u));
-        const double length = geometry::extentAlong(surfaces_.all[r].corners, u).length(),
-                     height = geometry::extentAlong(surfaces_.all[r].corners, plan.v).length(),
-                     depth = std::min(length, height), gap = rays_.gapBefore(surfaces_.all[r]);
-        if (gap <= kFarthest * depth)
-            plan.board = {std::max(depth / kMostRows, kOfGap * gap), length < kSquare * height};
-        return plan;
+        return plans_.emplace_back(static_cast<uint32_t>(r), normal, u, glm::cross(normal, u));
+    }
+
+    // None where cells are no wider than its rows anyway.
+    std::optional<OutsidePlan::Board> boardOf(const OutsidePlan& plan) const {
+        const ConvexRegion& region = surfaces_.all[plan.region];
+        const double length = geometry::extentAlong(region.corners, plan.u).length(),
+                     height = geometry::extentAlong(region.corners, plan.v).length(),
+                     depth = std::min(length, height), gap = rays_.gapBefore(region),
+                     row = std::max(depth / kMostRows, kOfGap * gap);
+        if (gap > kFarthest * depth || row > kNarrower * plan.longest(geometry::boundsOf(region.corners)))
+            return std::nullopt;
+        return OutsidePlan::Board{row, length < kSquare * height};
     }
 
     void addSide(size_t r, std::vector<OutsidePlan::Target> targets) {
