@@ -11,9 +11,10 @@ namespace heliodon::app {
 
 namespace {
 
-constexpr double kPlan = 720, kNarrowest = 420, kLowest = 260, kMargin = 40, kHead = 62, kFoot = 40; // pixels
+constexpr double kPlan = 720, kNarrowest = 600, kLowest = 260, kMargin = 40, kHead = 62, kFoot = 40; // pixels
 constexpr double kCaption = 24; // above each of several storeys
 constexpr double kLetter = 6;   // wide, of a subtitle
+constexpr double kKeyLetter = 6.5;
 
 // In lines of so many letters, at most two; what is longer is cut off.
 std::vector<std::string> twoLines(const std::string& words, size_t letters) {
@@ -79,6 +80,14 @@ void PlanFrame::key(Chart& chart, glm::dvec2 at, Ink ink, double thickness, cons
     const glm::dvec2 p = keysAt() + at;
     chart.line({p, p + glm::dvec2(20, 0)}, ink, thickness);
     chart.text(p + glm::dvec2(28, 4), words, 11);
+}
+
+void PlanFrame::keys(Chart& chart, const std::vector<Key>& all) const {
+    glm::dvec2 at(0);
+    for (const Key& one : all) {
+        key(chart, at, one.ink, one.thickness, one.words);
+        at.x += 46 + kKeyLetter * static_cast<double>(one.words.size());
+    }
 }
 
 void PlanFrame::foot(Chart& chart, double worldPerBuilding, double northDeg) const {

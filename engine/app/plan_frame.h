@@ -3,6 +3,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
@@ -33,6 +34,13 @@ public:
     void foot(Chart& chart, double worldPerBuilding, double northDeg) const;
     // A line's meaning at the foot, beside the measure; `at` pixels from where the first one is.
     void key(Chart& chart, glm::dvec2 at, Ink ink, double thickness, const std::string& words) const;
+    struct Key {
+        Ink ink;
+        double thickness;
+        std::string words;
+    };
+    // One beside the other; three have room.
+    void keys(Chart& chart, const std::vector<Key>& all) const;
 
     glm::dvec2 pixel(glm::dvec2 p) const { return origin_ + pixels_ * (p - low_); }
     double pixelsPerWorld() const { return pixels_; }

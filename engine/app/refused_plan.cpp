@@ -89,15 +89,11 @@ Chart refusedPlan(const geometry::RefusedModel& model, double northDeg, const st
         plan.circleRound(model.named[0][0]);
     frame.title(chart, title, why);
     frame.foot(chart, model.worldPerBuilding, northDeg);
-    double x = 0;
-    const auto key = [&](bool isDrawn, Ink ink, const char* words, double wide) {
-        if (!isDrawn) return;
-        frame.key(chart, {x, 0}, ink, 3, words);
-        x += wide;
-    };
-    key(!model.glass.empty(), kOpeningInk, "opening", 92);
-    key(!model.open.empty(), kOpen, "open edge", 104);
-    key(!model.named.empty() || !model.border.empty(), kFault, "refused", 92);
+    std::vector<PlanFrame::Key> keys;
+    if (!model.glass.empty()) keys.push_back({kOpeningInk, 3, "opening"});
+    if (!model.open.empty()) keys.push_back({kOpen, 3, "open edge"});
+    if (!model.named.empty() || !model.border.empty()) keys.push_back({kFault, 3, "refused"});
+    frame.keys(chart, keys);
     return chart;
 }
 

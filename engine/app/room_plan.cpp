@@ -249,14 +249,10 @@ Chart roomPlan(const Scene& scene, const nlohmann::json& report, const std::stri
     }
     first.title(chart, title, report.value("code", "") + ": " + report.value("message", ""));
     first.foot(chart, scene.worldPerBuilding, scene.northDeg);
-    double x = 0;
-    const auto key = [&](Ink ink, double thickness, const char* words, double wide) {
-        first.key(chart, {x, 0}, ink, thickness, words);
-        x += wide;
-    };
-    key(kOpeningInk, 3, "opening", 92);
-    if (plan.hasGaps()) key(kGap, 3, "filled gap", 104);
-    if (plan.hasUnused()) key(kUnused, 7, "bounds no room", 130);
+    std::vector<PlanFrame::Key> keys{{kOpeningInk, 3, "opening"}};
+    if (plan.hasGaps()) keys.push_back({kGap, 3, "filled gap"});
+    if (plan.hasUnused()) keys.push_back({kUnused, 7, "bounds no room"});
+    first.keys(chart, keys);
     return chart;
 }
 
