@@ -327,6 +327,8 @@ Sketch readSketch(const std::filesystem::path& file) {
     if (const Json* tableJson = root.find("table")) {
         const Object in(name, "table", *tableJson);
         sketch.tableDiameter = in.positive("diameter", Sketch{}.tableDiameter);
+        if (in.find("center") && in.point("center") != glm::dvec2(0))
+            in.fail("center", "is not [0, 0], expected the origin there");
         in.listUnread(sketch.unknownFields, Notes::welcome);
     }
     sketch.walls = readList<Wall>(root, "walls", "w", readWall, sketch.unknownFields);

@@ -122,6 +122,8 @@ TEST_F(SketchFile, other_units_and_scales_are_refused) {
     EXPECT_EQ(refusal(R"({"format": "vh-sketch/1", "units": "cm"})"), "units: is \"cm\", expected \"inch\"");
     EXPECT_EQ(refusal(R"({"format": "vh-sketch/1", "scale": "1in=2ft"})"),
               "scale: is \"1in=2ft\", expected \"1in=1ft\"");
+    EXPECT_EQ(refusal(R"({"format": "vh-sketch/1", "table": {"center": [5, 0]}})"),
+              "table.center: is not [0, 0], expected the origin there");
     EXPECT_EQ(refusal(R"({"format": "vh-sketch/1", "units": "inch", "scale": "1in=1ft"})"), "accepted");
 }
 
