@@ -15,16 +15,13 @@ namespace heliodon::geometry {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-constexpr double kFacingSine = 0.26;     // 15 degrees: ends that look at each other
-constexpr double kFacingOffset = 0.6;    // inches: by which they may miss one another
-constexpr double kDoor = 1.25;           // times a crack's width from end to end: as wide as a door
-constexpr double kSpike = 2;             // times the thickness of walls that touch: a tip longer than that
-constexpr double kBesideCorner = 0.1;    // inches off what fills it
-constexpr double kParallelSine = 0.18;   // 10 degrees: walls side by side
-constexpr double kNarrowSlot = 1.0;      // inches between walls side by side: less is a crack,
-constexpr double kRunsBy = 0.5;          // inches: nearer to its end a wall does not run by another one
-constexpr double kTouching = 0.02;       // inches: what facets leave between walls that touch
-constexpr double kNarrowestNiche = 0.45; // but for a niche so wide
+constexpr double kFacingSine = 0.26;  // 15 degrees: ends that look at each other
+constexpr double kFacingOffset = 0.6; // inches: by which they may miss one another
+constexpr double kDoor = 1.25;        // times a crack's width from end to end: as wide as a door
+constexpr double kSpike = 2;          // times the thickness of walls that touch: a tip longer than that
+constexpr double kBesideCorner = 0.1; // inches off what fills it
+constexpr double kRunsBy = 0.5;       // inches: nearer to its end a wall does not run by another one
+constexpr double kTouching = 0.02;    // inches: what facets leave between walls that touch
 
 // Two ends that look at each other over a crack: the crack is the hull of the two end faces.
 std::vector<glm::dvec2> facingFill(const WallEnd& e, const WallEnd& f) {

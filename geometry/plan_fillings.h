@@ -6,6 +6,10 @@
 
 namespace heliodon::geometry {
 
+constexpr double kParallelSine = 0.18;   // 10 degrees: walls side by side
+constexpr double kNarrowSlot = 1.0;      // inches between walls side by side: less is a crack,
+constexpr double kNarrowestNiche = 0.45; // but for a niche so wide
+
 // Adds solids where ends of walls lie within `width` (inches) of one another or of a face, where a corner was
 // left open, between walls side by side, and where a curved wall runs by another one.
 void fillCracks(PlanWalls& plan, double width);

@@ -35,6 +35,7 @@ struct WallLine {
     double along(glm::dvec2 p) const {
         return (p.x - origin.x) * direction.x + (p.y - origin.y) * direction.y;
     }
+    glm::dvec2 at(double s) const { return origin + s * direction; }
 };
 
 // What an edge of a solid is: which long face, or an end.

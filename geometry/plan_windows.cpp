@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <optional>
 #include <tuple>
 
 #include <fmt/format.h>
 #include <glm/geometric.hpp>
 
+#include "geometry/facing_walls.h"
 #include "geometry/perpendicular.h"
 
 namespace heliodon::geometry {
@@ -17,16 +19,13 @@ namespace {
 constexpr double kMeets = 0.4;     // inches between markers on either side of a joint that make one window
 constexpr double kTouches = 0.2;   // inches: likewise, of one wall; what is left between others is a post
 constexpr double kNarrowest = 0.2; // inches
-constexpr double kToCorner = 0.1;  // inches: a strip narrower than this beside a window is not worth a face
+constexpr double kCrossWall =
+    0.5; // inches, a wall's thickness and more, between windows to either side of its end
+constexpr double kToCorner = 0.1; // inches: a strip narrower than this beside a window is not worth a face
 // What of a marker may lie beyond its wall without a word: markers are laid to a corner by eye. With more
 // than this, and more than a quarter of the width, another window was meant than the one that is made.
 constexpr double kByEye = 1.2; // inches
 constexpr double kMostCut = 0.25;
-constexpr double kIntoCorner = 0.375; // inches: walls reach so far beyond the corner that a room sees
-
-struct Stretch {
-    double from, to;
-};
 
 // A window on a straight side, in inches along it.
 struct SideWindow {
@@ -54,6 +53,8 @@ public:
         for (const WindowMarker& marker : sketch_.windows) readMarker(marker);
         merge();
         for (const SideWindow& window : windows_) cutThrough(window);
+        lookAtWallsBefore();
+        for (const Opening& opening : openings_) add(opening);
         return std::move(out_);
     }
 
@@ -109,7 +110,7 @@ private:
         }
         if (rooms.from > rooms.to) return 0;
         double on = 0;
-        for (const Stretch& cover : covered(window.line))
+        for (const Stretch& cover : coveredStretches(plan_, window.line))
             on += std::max(0.0, std::min({window.on.to, cover.to, rooms.to}) -
                                     std::max({window.on.from, cover.from, rooms.from}));
         return window.on.to - window.on.from - on;
@@ -134,22 +135,6 @@ private:
         }
     }
 
-    // What walls of the side, and cracks between them, cover.
-    std::vector<Stretch> covered(int id) const {
-        const WallLine& line = plan_.lines[static_cast<size_t>(id)];
-        std::vector<Stretch> out;
-        for (const WallPiece& piece : plan_.pieces)
-            if (piece.line == id) out.push_back({line.along(piece.a), line.along(piece.b)});
-        std::ranges::sort(out, {}, &Stretch::from);
-        for (size_t i = 0; i + 1 < out.size();)
-            if (out[i + 1].from <= out[i].to + plan_.crackWidth) {
-                out[i].to = std::max(out[i].to, out[i + 1].to);
-                out.erase(out.begin() + static_cast<std::ptrdiff_t>(i) + 1);
-            } else
-                ++i;
-        return out;
-    }
-
     struct Seen {
         size_t run;
         Stretch on;
@@ -163,7 +148,7 @@ private:
             const WallRun& run = runs_[r];
             if (run.line != window.line || run.leftFace != leftFace) continue;
             const auto [low, high] = std::minmax({line.along(run.from), line.along(run.to)});
-            for (const Stretch& cover : covered(window.line)) {
+            for (const Stretch& cover : coveredStretches(plan_, window.line)) {
                 Stretch on{std::max({window.on.from, low, cover.from}),
                            std::min({window.on.to, high, cover.to})};
                 if (on.from < low + kToCorner) on.from = std::min(on.from, low);
@@ -174,37 +159,45 @@ private:
         return out;
     }
 
+    // A part of a window that one room sees, or one between two rooms.
+    struct Opening {
+        const SideWindow* window;
+        std::vector<Seen> sides;
+        const SideWindow* opposite = nullptr; // of the second side, where that is a wall of its own
+        double hidden = 0;                    // inches: nothing is seen below
+    };
+
     void cutThrough(const SideWindow& window) {
-        const int before = out_.openings;
+        const size_t before = openings_.size();
         const std::vector<Seen> right = seenFrom(window, false), left = seenFrom(window, true);
         std::vector<Stretch> shared;
         for (const Seen& r : right)
             for (const Seen& l : left) {
                 const Stretch both{std::max(r.on.from, l.on.from), std::min(r.on.to, l.on.to)};
                 if (both.to - both.from < kNarrowest) continue;
-                add(window, {{r.run, both}, {l.run, both}});
+                openings_.push_back({&window, {{r.run, both}, {l.run, both}}});
                 shared.push_back(both);
             }
         for (const std::vector<Seen>& side : {right, left})
             for (const Seen& seen : side)
-                for (const Stretch& rest : without(seen.on, shared)) add(window, {{seen.run, rest}});
-        if (out_.openings == before)
+                for (const Stretch& rest : without(seen.on, shared, kCrossWall))
+                    openings_.push_back({&window, {{seen.run, rest}}});
+        if (openings_.size() == before)
             out_.notes.push_back(
                 {"WINDOW_OUTSIDE",
                  fmt::format("window {} is where its wall encloses nothing and is ignored", window.id)});
     }
 
-    // What is left of a stretch outside the shared ones, a wall's thickness away from them.
-    static std::vector<Stretch> without(Stretch whole, std::vector<Stretch> shared) {
-        constexpr double kCrossWall = 0.5;
+    // What is left of a stretch outside the shared ones, so far away from them.
+    static std::vector<Stretch> without(Stretch whole, std::vector<Stretch> shared, double apart) {
         if (shared.empty()) return {whole};
         std::ranges::sort(shared, {}, &Stretch::from);
         std::vector<Stretch> out;
         double from = whole.from;
         for (const Stretch& s : shared) {
             if (s.to < whole.from || s.from > whole.to) continue;
-            if (s.from - kCrossWall - from >= kNarrowest) out.push_back({from, s.from - kCrossWall});
-            from = std::max(from, s.to + kCrossWall);
+            if (s.from - apart - from >= kNarrowest) out.push_back({from, s.from - apart});
+            from = std::max(from, s.to + apart);
         }
         if (whole.to - from >= kNarrowest) out.push_back({from, whole.to});
         return out;
@@ -212,34 +205,143 @@ private:
 
     double ceilingOf(const Seen& seen) const { return ceilings_[runs_[seen.run].room]; }
 
-    void add(const SideWindow& window, std::vector<Seen> sides) {
+    const WallLine& lineOf(const Seen& seen) const {
+        return plan_.lines[static_cast<size_t>(runs_[seen.run].line)];
+    }
+
+    double wallTop(const Seen& seen) const {
+        double top = 0;
+        for (const WallPiece& piece : plan_.pieces)
+            if (piece.line == runs_[seen.run].line && lineOf(seen).along(piece.b) > seen.on.from &&
+                lineOf(seen).along(piece.a) < seen.on.to)
+                top = std::max(top, piece.height);
+        return top;
+    }
+
+    bool isBacked(const Seen& seen) const {
+        const double middle = (seen.on.from + seen.on.to) / 2;
+        return std::ranges::any_of(plan_.pieces, [&](const WallPiece& piece) {
+            return piece.line == runs_[seen.run].line && middle >= lineOf(seen).along(piece.a) &&
+                   middle <= lineOf(seen).along(piece.b);
+        });
+    }
+
+    // Sill and head under the ceilings and tops of walls of both sides.
+    Stretch extentOf(const Opening& opening) const {
+        double top = 1e9;
+        for (const Seen& seen : opening.sides) top = std::min({top, ceilingOf(seen), wallTop(seen)});
+        Stretch out = heights(opening.window->kind, top);
+        if (opening.opposite) {
+            const Stretch other = heights(opening.opposite->kind, top);
+            out = {std::max(out.from, other.from), std::min(out.to, other.to)};
+        }
+        return {std::max(out.from, opening.hidden), out.to};
+    }
+
+    bool looksOver(Opening opening, const FacingWall& wall) const {
+        opening.hidden = wall.height;
+        return extentOf(opening).length() >= kNarrowest;
+    }
+
+    // One through both walls, where the two windows look at one another's wall.
+    std::optional<Opening> joined(const Opening& near, const std::vector<FacingWall>& beforeNear,
+                                  const Opening& far, const std::vector<FacingWall>& beforeFar) const {
+        const Seen &n = near.sides[0], &f = far.sides[0];
+        const auto hides = [&](const Opening& opening, const FacingWall& wall, const Seen& other) {
+            return wall.line == runs_[other.run].line && !looksOver(opening, wall);
+        };
+        const auto wall =
+            std::ranges::find_if(beforeNear, [&](const FacingWall& w) { return hides(near, w, f); });
+        if (wall == beforeNear.end() ||
+            std::ranges::none_of(beforeFar, [&](const FacingWall& w) { return hides(far, w, n); }))
+            return std::nullopt;
+        const WallLine &line = lineOf(n), &other = lineOf(f);
+        const auto [low, high] =
+            std::minmax({line.along(other.at(f.on.from)), line.along(other.at(f.on.to))});
+        const Stretch both{std::max({n.on.from, wall->on.from, low}), std::min({n.on.to, wall->on.to, high})};
+        const double middle = (both.from + both.to) / 2, there = other.along(line.at(middle));
+        const double half = std::min({both.length() / 2, there - f.on.from, f.on.to - there});
+        Opening out{near.window,
+                    {{n.run, {middle - half, middle + half}}, {f.run, {there - half, there + half}}},
+                    far.window};
+        if (2 * half < kNarrowest || extentOf(out).length() < kNarrowest) return std::nullopt;
+        return out;
+    }
+
+    // Of walls side by side, as those of two houses, one has no light from outside where it looks straight at
+    // the other: windows opposite one another join the rooms, others are walled up as high as that wall is.
+    void lookAtWallsBefore() {
+        std::vector<std::vector<FacingWall>> before(openings_.size());
+        std::vector<std::vector<Opening>> made(openings_.size());
+        std::vector<double> kept(openings_.size(), 0); // inches
+        for (size_t i = 0; i < openings_.size(); ++i) {
+            const Seen& side = openings_[i].sides[0];
+            if (openings_[i].sides.size() == 1)
+                before[i] = wallsBefore(plan_, runs_, runs_[side.run], side.on);
+            std::erase_if(before[i], [](const FacingWall& wall) { return wall.on.length() < kNarrowest; });
+            std::ranges::stable_sort(before[i], std::greater(), &FacingWall::height);
+            for (size_t j = 0; j < i; ++j)
+                if (const auto both = joined(openings_[j], before[j], openings_[i], before[i])) {
+                    made[j].push_back(*both);
+                    for (const size_t k : {i, j}) kept[k] += both->sides[0].on.length();
+                }
+        }
+        std::vector<Opening> out;
+        for (size_t i = 0; i < openings_.size(); ++i) {
+            out.insert(out.end(), made[i].begin(), made[i].end());
+            if (before[i].empty()) {
+                out.push_back(openings_[i]);
+                continue;
+            }
+            const Seen& side = openings_[i].sides[0];
+            const double mayLose =
+                kept[i] > 0 ? std::max(kByEye, kMostCut * side.on.length()) : kNarrowest; // without a word
+            std::vector<Stretch> dark;
+            const auto keep = [&](Stretch on, double hidden) {
+                for (const Stretch& rest : without(on, dark, 0)) {
+                    out.push_back({openings_[i].window, {{side.run, rest}}, nullptr, hidden});
+                    kept[i] += rest.length();
+                }
+            };
+            for (const FacingWall& wall : before[i]) {
+                if (looksOver(openings_[i], wall)) keep(wall.on, wall.height);
+                dark.push_back(wall.on);
+            }
+            keep(side.on, 0);
+            if (side.on.length() - kept[i] > mayLose)
+                out_.notes.push_back(
+                    {"WINDOW_BEFORE_WALL",
+                     fmt::format("window {} looks straight at the wall {}, without air between, and is "
+                                 "walled up there",
+                                 openings_[i].window->id, before[i][0].id)});
+        }
+        openings_ = std::move(out);
+    }
+
+    void add(Opening opening) {
+        const SideWindow& window = *opening.window;
         double roof = 1e9, top = 0; // of the lower room, of the higher one
-        for (const Seen& seen : sides) {
+        for (const Seen& seen : opening.sides) {
             roof = std::min(roof, ceilingOf(seen));
             top = std::max(top, ceilingOf(seen));
         }
-        const WallLine& line = plan_.lines[static_cast<size_t>(window.line)];
-        const double middle = (sides[0].on.from + sides[0].on.to) / 2;
-        bool backed = false;
-        double wallTop = 0;
-        for (const WallPiece& piece : plan_.pieces) {
-            if (piece.line != window.line) continue;
-            const double s0 = line.along(piece.a), s1 = line.along(piece.b);
-            backed = backed || (middle >= s0 && middle <= s1);
-            if (s1 > sides[0].on.from && s0 < sides[0].on.to) wallTop = std::max(wallTop, piece.height);
-        }
         // A transom in a wall that stands above the roof of the lower room looks out over it.
-        const bool clerestory = window.kind == WindowKind::transom && roof < std::min(top, wallTop);
-        if (clerestory) std::erase_if(sides, [&](const Seen& seen) { return ceilingOf(seen) < top; });
-        auto [sill, head] = heights(window.kind, std::min(clerestory ? top : roof, wallTop));
-        if (clerestory) sill = std::max(sill, roof);
+        if (!opening.opposite && window.kind == WindowKind::transom &&
+            roof < std::min(top, wallTop(opening.sides[0]))) {
+            std::erase_if(opening.sides, [&](const Seen& seen) { return ceilingOf(seen) < top; });
+            opening.hidden = roof;
+        }
+        const auto [sill, head] = extentOf(opening);
         assert(sill < head); // roofs that a wall rises above are at 8, and it is then 10 high: heads are at 9
-        if (sides.size() == 2 && window.blind != Blind{})
+        const bool twin = opening.sides.size() == 2;
+        const std::string id = window.id + (opening.opposite ? "+" + opening.opposite->id : "");
+        if (twin && (window.blind != Blind{} || (opening.opposite && opening.opposite->blind != Blind{})))
             out_.notes.push_back({"BLINDS_INSIDE", fmt::format("window {} is between two rooms, where there "
                                                                "are no blinds: it stands open",
-                                                               window.id)});
-        for (const Seen& seen : sides) {
+                                                               id)});
+        for (const Seen& seen : opening.sides) {
             const WallRun& run = runs_[seen.run];
+            const WallLine& line = lineOf(seen);
             const double u = line.along(run.from), v = line.along(run.to);
             const double toRun = u < v ? 1 : -1;
             WindowHole hole;
@@ -249,9 +351,9 @@ private:
             hole.sill = sill;
             hole.head = head;
             hole.opening = out_.openings;
-            hole.twin = sides.size() == 2;
-            hole.backed = backed;
-            hole.id = window.id;
+            hole.twin = twin;
+            hole.backed = isBacked(seen);
+            hole.id = id;
             if (!hole.twin) hole.blind = window.blind;
             out_.holes.push_back(hole);
         }
@@ -276,6 +378,7 @@ private:
     const std::vector<WallRun>& runs_;
     const std::vector<double>& ceilings_;
     std::vector<SideWindow> windows_;
+    std::vector<Opening> openings_;
     PlanWindows out_;
 };
 

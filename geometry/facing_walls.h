@@ -1,0 +1,36 @@
+// What of other walls stands right before the outer face of a wall: no light comes in there.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "geometry/plan_walls.h"
+
+namespace heliodon::geometry {
+
+struct WallRun;
+
+constexpr double kIntoCorner = 0.375; // inches: walls reach so far beyond the corner that a room sees
+
+// Inches along a straight side.
+struct Stretch {
+    double from = 0, to = 0;
+    double length() const { return to - from; }
+};
+
+// What walls of the side, and cracks between them, cover.
+std::vector<Stretch> coveredStretches(const PlanWalls& plan, int line);
+
+struct FacingWall {
+    int line = -1; // the straight side that it belongs to
+    Stretch on;    // along the side that it stands before
+    double height = 0;
+    std::string id;
+};
+
+// Straight walls side by side with the run's that touch its outer face along `on`, reach into it or leave a
+// crack before it. A filled or bridged hole in the wall of a room is wall, too.
+std::vector<FacingWall> wallsBefore(const PlanWalls& plan, const std::vector<WallRun>& runs,
+                                    const WallRun& run, Stretch on);
+
+} // namespace heliodon::geometry

@@ -1,0 +1,141 @@
+// Houses side by side: windows in walls that touch, overlap or leave a crack between them see no sky.
+#include <cmath>
+#include <numbers>
+
+#include <glm/geometric.hpp>
+#include <gtest/gtest.h>
+
+#include "geometry/building.h"
+#include "tests/geometry/drawn_pieces.h"
+#include "tests/geometry/shuffled_closure.h"
+
+using namespace heliodon::geometry;
+using heliodon::test::wall;
+using heliodon::test::window;
+
+namespace {
+
+// Two houses of 9 by 12 in, so much air between the walls w2 and w8; the right one so much farther up.
+Sketch twoHouses(double gap, double up = 0, HeightClass right = HeightClass::red) {
+    const double x = (gap + 0.375) / 2;
+    Sketch s;
+    s.walls = {wall("w1", {-9, -6}, {-x, -6}),
+               wall("w2", {-x, -6}, {-x, 6}),
+               wall("w3", {-x, 6}, {-9, 6}),
+               wall("w4", {-9, 6}, {-9, -6}),
+               wall("w5", {x, up - 6}, {9, up - 6}, right),
+               wall("w6", {9, up - 6}, {9, up + 6}, right),
+               wall("w7", {9, up + 6}, {x, up + 6}, right),
+               wall("w8", {x, up - 6}, {x, up + 6}, right)};
+    return s;
+}
+
+// Square inches of glass.
+struct Glass {
+    double outside = 0, between = 0;
+};
+
+Glass glassOf(const Closure& closure) {
+    Glass out;
+    for (const Face& face : closure.building->faces) {
+        if (!closure.building->materials[face.material].isOpening()) continue;
+        const auto& v = closure.building->vertices;
+        const auto& loop = face.loops[0];
+        glm::dvec3 twice(0);
+        for (size_t i = 1; i + 1 < loop.size(); ++i)
+            twice += glm::cross(v[loop[i]] - v[loop[0]], v[loop[i + 1]] - v[loop[0]]);
+        (face.twin == kNoTwin ? out.outside : out.between) +=
+            glm::length(twice) / 2 / (kMetresPerInch * kMetresPerInch);
+    }
+    return out;
+}
+
+void expectGlass(const Sketch& sketch, int windows, Glass expected) {
+    const Closure closure = closeSketch(sketch);
+    ASSERT_TRUE(closure.building) << closure.report.message;
+    EXPECT_EQ(closure.report.rooms.size(), 2u);
+    EXPECT_EQ(closure.report.windowCount, windows) << closure.report.message;
+    const Glass glass = glassOf(closure);
+    EXPECT_NEAR(glass.outside, expected.outside, 0.1);
+    EXPECT_NEAR(glass.between, expected.between, 0.1);
+}
+
+void turn(Sketch& sketch, double degrees) {
+    const double c = std::cos(degrees * std::numbers::pi / 180),
+                 s = std::sin(degrees * std::numbers::pi / 180);
+    for (Wall& w : sketch.walls)
+        for (glm::dvec2* p : {&w.a, &w.b}) *p = {c * p->x - s * p->y, s * p->x + c * p->y};
+}
+
+} // namespace
+
+TEST(FacingWalls, windows_opposite_one_another_join_the_rooms) {
+    for (const double gap : {-0.075, 0.0, 0.125, 0.4, 0.9}) {
+        SCOPED_TRACE(gap);
+        Sketch s = twoHouses(gap);
+        s.windows = {window("n1", "w2", 6, 3), window("n2", "w8", 6, 3)};
+        for (int k = 0; k < 3; ++k, turn(s, 37)) {
+            EXPECT_EQ(closeSketch(s).report.outcome, Outcome::ok) << closeSketch(s).report.message;
+            expectGlass(s, 1, {0, 24});
+            heliodon::test::expectSameInAnyOrder(s);
+        }
+        s.windows[1].pos = 7.5; // half of each
+        EXPECT_EQ(closeSketch(s).report.code, "WINDOW_BEFORE_WALL");
+        expectGlass(s, 1, {0, 12});
+        s.windows[1].pos = 6.1; // by eye
+        EXPECT_EQ(closeSketch(s).report.outcome, Outcome::ok);
+        expectGlass(s, 1, {0, 23.2});
+        s.windows[1].kind = WindowKind::picture;
+        expectGlass(s, 1, {0, 23.2});
+    }
+    Sketch leaning = twoHouses(0.05); // the walls cross
+    leaning.walls[7].a.x -= 0.1;
+    leaning.walls[7].b.x += 0.1;
+    leaning.windows = {window("n1", "w2", 6, 3), window("n2", "w8", 6, 3)};
+    expectGlass(leaning, 1, {0, 24});
+}
+
+TEST(FacingWalls, a_window_before_a_blank_wall_is_walled_up_by_name) {
+    for (const double gap : {-0.075, 0.0, 0.125, 0.9}) {
+        SCOPED_TRACE(gap);
+        Sketch s = twoHouses(gap);
+        s.windows = {window("n1", "w2", 6, 3)};
+        const ClosureReport report = closeSketch(s).report;
+        EXPECT_EQ(report.code, "WINDOW_BEFORE_WALL");
+        EXPECT_NE(report.message.find("window n1 looks straight at the wall w8"), std::string::npos)
+            << report.message;
+        expectGlass(s, 0, {0, 0});
+        s.windows.push_back(window("n2", "w8", 10, 3)); // not opposite
+        expectGlass(s, 0, {0, 0});
+        s.windows = {window("n1", "w4", 6, 3)}; // out
+        EXPECT_EQ(closeSketch(s).report.outcome, Outcome::ok);
+        expectGlass(s, 1, {12, 0});
+    }
+    Sketch beside = twoHouses(1.2); // air
+    beside.windows = {window("n1", "w2", 6, 3), window("n2", "w8", 6, 3)};
+    EXPECT_EQ(closeSketch(beside).report.outcome, Outcome::ok);
+    expectGlass(beside, 2, {24, 0});
+    Sketch pieces = twoHouses(0);
+    pieces.walls[7].b.y = -0.6; // a crack
+    pieces.walls.push_back(wall("w9", {0.1875, 0.6}, {0.1875, 6}));
+    pieces.windows = {window("n1", "w2", 6, 6)};
+    expectGlass(pieces, 0, {0, 0});
+    pieces.walls[7].b.y = -1.5; // a hole: the right house sees w2
+    pieces.walls[8].a.y = 1.5;
+    expectGlass(pieces, 1, {0, 24});
+}
+
+TEST(FacingWalls, what_reaches_beyond_the_wall_before_it_looks_outside) {
+    Sketch s = twoHouses(0, 6.1875); // the right house begins at y = 0
+    s.windows = {window("n1", "w2", 6, 3)};
+    const ClosureReport report = closeSketch(s).report;
+    EXPECT_EQ(report.code, "WINDOW_BEFORE_WALL");
+    EXPECT_NE(report.message.find("is walled up there"), std::string::npos) << report.message;
+    expectGlass(s, 1, {6, 0});
+    Sketch low = twoHouses(0, 0, HeightClass::blue);
+    low.windows = {window("n1", "w2", 6, 3)};
+    expectGlass(low, 0, {0, 0});
+    low.windows[0].kind = WindowKind::transom; // over the roof
+    EXPECT_EQ(closeSketch(low).report.outcome, Outcome::ok);
+    expectGlass(low, 1, {3, 0});
+}
