@@ -52,11 +52,14 @@ public:
         : plan_(plan), rooms_(rooms), loop_(loop) {}
 
     void clean() {
+        // Corners that are one but for rounding hide what lies beside them.
+        while (size() > 3 && dropShort(kTouches)) {
+        }
         // Before short steps go, which may take the wall's direction from cracks, and once what stood between
         // them and the wall has gone.
         for (int round = 0; round < 2; ++round) {
             hideCracks();
-            while (size() > 3 && (mergeAlike() || dropShort() || dropSpike())) {
+            while (size() > 3 && (mergeAlike() || dropShort(kShortEdge) || dropSpike())) {
             }
         }
     }
@@ -99,20 +102,27 @@ private:
                ((touching(a) || !meet(a, *corner, c, d)) && (touching(b) || !meet(*corner, b, c, d)));
     }
 
-    bool onArc(size_t i) {
-        return info(i).piece >= 0 && plan_.pieces[static_cast<size_t>(info(i).piece)].curved;
+    bool onArc(const OutlineEdge& edge) const {
+        return edge.piece >= 0 && plan_.pieces[static_cast<size_t>(edge.piece)].curved;
     }
 
     // A crack in the side of a wall is too narrow to be told from it: it is shown as the wall is, and takes
-    // part in its facets.
+    // part in its facets. Of walls on both its sides the higher one counts, of equals the longer one. Cracks
+    // that follow one another are asked at once: the way round the outline changes nothing.
     void hideCracks() {
+        const std::vector<OutlineEdge> drawn = loop_.edges;
         for (size_t i = 0; i < size(); ++i) {
-            if (info(i).height > 0 || info(i).gap || glm::length(edge(i)) > kNarrowCrack) continue;
-            for (const size_t beside : {i + size() - 1, i + 1})
-                if (info(beside).height > info(i).height && glm::dot(edge(beside), edge(i)) > 0 &&
-                    std::abs(cross(edge(beside), edge(i))) <
-                        (onArc(beside) ? kRound : kInLine) * glm::length(edge(beside)) * glm::length(edge(i)))
-                    info(i) = info(beside);
+            if (drawn[i].height > 0 || drawn[i].gap || glm::length(edge(i)) > kNarrowCrack) continue;
+            std::pair best(0.0, 0.0);
+            for (const size_t beside : {(i + size() - 1) % size(), (i + 1) % size()}) {
+                const std::pair rank(drawn[beside].height, glm::length(edge(beside)));
+                if (rank.first == 0 || rank <= best || glm::dot(edge(beside), edge(i)) <= 0 ||
+                    std::abs(cross(edge(beside), edge(i))) >=
+                        (onArc(drawn[beside]) ? kRound : kInLine) * rank.second * glm::length(edge(i)))
+                    continue;
+                best = rank;
+                info(i) = drawn[beside];
+            }
         }
     }
 
@@ -128,10 +138,10 @@ private:
         return false;
     }
 
-    bool dropShort() {
+    bool dropShort(double shortest) {
         std::vector<std::pair<double, size_t>> shortOnes;
         for (size_t i = 0; i < size(); ++i)
-            if (const double length = glm::length(edge(i)); length < kShortEdge)
+            if (const double length = glm::length(edge(i)); length < shortest)
                 shortOnes.emplace_back(length, i);
         std::ranges::sort(shortOnes);
         for (const auto& [length, i] : shortOnes)

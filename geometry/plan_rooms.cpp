@@ -26,6 +26,7 @@
 #include "geometry/plan_arrangement.h"
 #include "geometry/plan_lines.h"
 #include "geometry/plan_regions.h"
+#include "geometry/used_stretches.h"
 
 namespace heliodon::geometry {
 
@@ -50,44 +51,11 @@ constexpr std::array kRingPrices{1.0, 1.2, 1.4, 1.6};
 constexpr double kMostOpenRing = 0.6;
 constexpr size_t kFewestGaps = 3;
 constexpr double kStraight = 0.1;     // the sine of the angle between parts of a straight gap
+constexpr double kTie = 1e-6;         // inches and prices: nearer ones are the same but for rounding
 constexpr double kSpeck = 1e-3;       // inches: edges that only rounding has made
 constexpr double kJog = 0.5;          // inches: how far walls of one side may miss one another
 constexpr double kCapacityUnit = 1e6; // of a length of 1 in: exact integer flow
 constexpr int64_t kForever = int64_t{1} << 50;
-
-struct Interval {
-    double from, to;
-};
-
-// Which stretches of a wall are used, as a set of disjoint intervals along its centre line.
-class Used {
-public:
-    void add(Interval added) {
-        std::vector<Interval> kept;
-        for (const Interval& i : intervals_) {
-            if (i.to < added.from || i.from > added.to)
-                kept.push_back(i);
-            else
-                added = {std::min(i.from, added.from), std::max(i.to, added.to)};
-        }
-        kept.push_back(added);
-        intervals_ = std::move(kept);
-    }
-    double unused(Interval asked) const {
-        double rest = asked.to - asked.from;
-        for (const Interval& i : intervals_)
-            rest -= std::max(0.0, std::min(i.to, asked.to) - std::max(i.from, asked.from));
-        return std::max(0.0, rest);
-    }
-    std::vector<std::pair<double, double>> stretches() const {
-        std::vector<std::pair<double, double>> out;
-        for (const Interval& i : intervals_) out.emplace_back(i.from, i.to);
-        return out;
-    }
-
-private:
-    std::vector<Interval> intervals_;
-};
 
 // A half-edge along a wall, with air on its left.
 struct WallFace {
@@ -146,22 +114,41 @@ private:
         return cell;
     }
 
-    // A thin cell goes with the neighbour that it shares the longest open edge with; without one it is solid.
+    bool isThin(uint32_t cell) const { return 2 * area_[cell] <= kThinCell * perimeter_[cell]; }
+
+    // An open edge of a cell and the cell beyond.
+    struct Neighbour {
+        double length = 0, weight = 0, area = 0;
+        uint32_t cell = 0;
+    };
+
+    // Over the longest edge. Lines that coincide but for rounding have a cell between them with two longest
+    // edges: there over the dearer one, so that a bridge there costs what the cheaper line does, however the
+    // sketch lies on the table; at the same price to the larger cell.
+    static uint32_t nearestOf(std::vector<Neighbour> neighbours) {
+        for (const auto criterion : {&Neighbour::length, &Neighbour::weight, &Neighbour::area}) {
+            const double best = std::ranges::max(neighbours, {}, criterion).*criterion;
+            std::erase_if(neighbours, [&](const Neighbour& n) { return n.*criterion < best - kTie; });
+        }
+        return std::ranges::max(neighbours, {}, &Neighbour::cell).cell;
+    }
+
+    // A thin cell goes with one neighbour; without one it is solid.
     void tieThinCells() {
         parent_.resize(map_.cellCount);
         std::iota(parent_.begin(), parent_.end(), 0u);
-        std::vector<std::pair<double, uint32_t>> widest(map_.cellCount, {0.0, 0u});
+        std::vector<std::vector<Neighbour>> neighbours(map_.cellCount);
         for (uint32_t h = 0; h < map_.cell.size(); ++h) {
             const uint32_t own = map_.cell[h], other = map_.cell[h ^ 1u];
-            if (own != other && !solid_[own] && !solid_[other])
-                widest[own] = std::max(widest[own], std::pair(edgeLength(h), other));
+            if (own != other && open(h) && isThin(own))
+                neighbours[own].push_back({edgeLength(h), bridgeWeight(h), area_[other], other});
         }
         for (uint32_t c = 1; c < map_.cellCount; ++c) {
-            if (solid_[c] || 2 * area_[c] > kThinCell * perimeter_[c]) continue;
-            if (widest[c].first == 0)
+            if (solid_[c] || !isThin(c)) continue;
+            if (neighbours[c].empty())
                 solid_[c] = true;
-            else if (group(widest[c].second) != group(c))
-                parent_[group(c)] = group(widest[c].second);
+            else if (const uint32_t nearest = nearestOf(neighbours[c]); group(nearest) != group(c))
+                parent_[group(c)] = group(nearest);
         }
         if (group(0) != 0) { // the unbounded cell stays a root
             parent_[group(0)] = 0;
