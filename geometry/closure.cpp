@@ -28,6 +28,9 @@ namespace heliodon::geometry {
 namespace {
 
 constexpr double kWideOpening = 8; // inches: a bridged opening this wide is worth a warning
+constexpr double kEven = 1e-4;     // of a length: what walls of one class may be shorter than those of another
+constexpr double kLeastSkylight = 0.005; // inches: corners nearer to one another are one (plan_overlay.cpp)
+constexpr double kDoor = 2 - 1e-6; // inches: as wide as doors are drawn
 constexpr size_t kMostWalls = 500; // the paper's table holds about twenty
 constexpr double kWeld = 1e-9;     // metres
 constexpr double kTwinOff =
@@ -134,8 +137,7 @@ private:
             const glm::dvec2 at =
                 piece.curved ? piece.center + piece.radius * glm::dvec2(std::cos(angle), std::sin(angle))
                              : glm::mix(piece.a, piece.b, k / count);
-            inside +=
-                std::ranges::any_of(spaces_.rooms, [&](const RoomPlan& room) { return contains(room, at); });
+            inside += inRoom(at);
         }
         return length * inside / count;
     }
@@ -195,7 +197,8 @@ private:
         return false;
     }
 
-    // The height class with the most wall round the room; the higher one of two equals.
+    // The height class with the most wall round the room; the higher one of two that are equal but for how
+    // exactly a sketch is drawn.
     double ceilingOf(const RoomPlan& room) const {
         std::map<double, double> length;
         for (const OutlineLoop& loop : room.loops)
@@ -205,7 +208,7 @@ private:
                         glm::length(loop.points[(i + 1) % loop.points.size()] - loop.points[i]);
         double best = 10, most = 0;
         for (const auto& [height, sum] : length)
-            if (sum >= most - 1e-6) {
+            if (sum >= (1 - kEven) * most) {
                 most = std::max(most, sum);
                 best = height;
             }
@@ -269,15 +272,25 @@ private:
     }
 
     void noteSkylights(const RoomFaces& faces) {
-        for (size_t i = 0; i < sketch_.skylights.size(); ++i)
-            if (!faces.skylightUsed[i])
-                notes_.push_back(coveredSkylight(i)
-                                     ? PlanNote{"SKYLIGHT_COVERED",
-                                                fmt::format("skylight {} lies under others and adds nothing",
-                                                            sketch_.skylights[i].id)}
-                                     : PlanNote{"SKYLIGHT_OUTSIDE",
-                                                fmt::format("skylight {} lies over no room and is ignored",
-                                                            sketch_.skylights[i].id)});
+        for (size_t i = 0; i < sketch_.skylights.size(); ++i) {
+            if (faces.skylightUsed[i]) continue;
+            const Skylight& skylight = sketch_.skylights[i];
+            if (coveredSkylight(i))
+                notes_.push_back(
+                    {"SKYLIGHT_COVERED",
+                     fmt::format("skylight {} lies under others and adds nothing", skylight.id)});
+            else if (std::min(skylight.size.x, skylight.size.y) < kLeastSkylight && inRoom(skylight.center))
+                notes_.push_back({"SKYLIGHT_TOO_SMALL",
+                                  fmt::format("skylight {} is too small and is ignored", skylight.id)});
+            else
+                notes_.push_back(
+                    {"SKYLIGHT_OUTSIDE",
+                     fmt::format("skylight {} lies over no room and is ignored", skylight.id)});
+        }
+    }
+
+    bool inRoom(glm::dvec2 p) const {
+        return std::ranges::any_of(spaces_.rooms, [&](const RoomPlan& room) { return contains(room, p); });
     }
 
     bool coveredSkylight(size_t i) const {
@@ -381,6 +394,42 @@ private:
         return good;
     }
 
+    // Holes of a door's size that were closed, each with the walls beside it; of wider ones there is a note.
+    std::vector<std::string> closedDoors() const {
+        std::set<std::string> sentences; // a hole between two rooms is in the outlines of both
+        for (const RoomPlan& room : spaces_.rooms)
+            for (const OutlineLoop& loop : room.loops) {
+                const size_t n = loop.edges.size();
+                for (size_t first = 0; first < n; ++first) {
+                    if (!loop.edges[first].gap || loop.edges[(first + n - 1) % n].gap) continue;
+                    double width = 0;
+                    size_t end = first;
+                    for (; loop.edges[end % n].gap; ++end)
+                        width += glm::length(loop.points[(end + 1) % n] - loop.points[end % n]);
+                    if (width < kDoor || width > kWideOpening) continue;
+                    sentences.insert(fmt::format("an opening {:.1f} ft wide beside {} was closed", width,
+                                                 joined(wallsBeside(loop, first, end))));
+                }
+            }
+        return {sentences.begin(), sentences.end()};
+    }
+
+    // The walls nearest to what lies between the two edges of the outline.
+    std::vector<std::string> wallsBeside(const OutlineLoop& loop, size_t first, size_t end) const {
+        const size_t n = loop.edges.size();
+        std::set<std::string> ids;
+        const auto add = [&](size_t i, size_t step) {
+            for (size_t k = 0; k < n; ++k, i += step)
+                if (const int piece = loop.edges[i % n].piece; piece >= 0) {
+                    ids.insert(std::ranges::min(plan_.pieces[static_cast<size_t>(piece)].ids));
+                    return;
+                }
+        };
+        add(first + n - 1, n - 1);
+        add(end, 1);
+        return {ids.begin(), ids.end()};
+    }
+
     void conclude() {
         ClosureReport& report = out_.report;
         for (const RoomPlan& room : spaces_.rooms)
@@ -398,6 +447,7 @@ private:
                             outside.size() == 1 ? "s" : "", outside.size() == 1 ? "s" : "");
         for (const WallRole& wall : report.walls)
             if (wall.reason.starts_with("repeats")) report.message += "; " + wall.id + " " + wall.reason;
+        for (const std::string& door : closedDoors()) report.message += "; " + door;
         for (const PlanNote& note : notes_) report.message += "; " + note.sentence;
         report.outcome = notes_.empty() ? Outcome::ok : Outcome::warn;
         report.code = notes_.empty() ? "OK" : notes_[0].code;

@@ -1,0 +1,64 @@
+// What the report says of holes and skylights, and of ceilings that are as good as even.
+#include <gtest/gtest.h>
+
+#include "geometry/building.h"
+#include "tests/geometry/drawn_pieces.h"
+
+using namespace heliodon::geometry;
+using heliodon::test::wall;
+
+namespace {
+
+// A square with a hole in the middle of its lower side.
+ClosureReport withHole(double width) {
+    Sketch s;
+    s.walls = {wall("w1", {-9, -6}, {-width / 2, -6}), wall("w2", {width / 2, -6}, {9, -6}),
+               wall("w3", {9, -6}, {9, 6}), wall("w4", {9, 6}, {-9, 6}), wall("w5", {-9, 6}, {-9, -6})};
+    return closeSketch(s).report;
+}
+
+Sketch square(double width, double height) {
+    Sketch s;
+    s.walls = {wall("s", {0, 0}, {width, 0}, HeightClass::red),
+               wall("n", {0, height}, {width, height}, HeightClass::red),
+               wall("w", {0, 0}, {0, height}, HeightClass::blue),
+               wall("e", {width, 0}, {width, height}, HeightClass::blue)};
+    return s;
+}
+
+} // namespace
+
+TEST(ClosureWords, a_closed_hole_of_a_doors_size_is_named) {
+    for (const double width : {2.0, 8.0}) {
+        const ClosureReport report = withHole(width);
+        EXPECT_EQ(report.code, "OK");
+        EXPECT_NE(report.message.find(width == 2 ? "an opening 2.0 ft wide beside w1, w2 was closed"
+                                                 : "an opening 8.0 ft wide beside w1, w2 was closed"),
+                  std::string::npos)
+            << report.message;
+    }
+    EXPECT_EQ(withHole(1.8).message.find("opening"), std::string::npos);
+    EXPECT_EQ(withHole(8.7).code, "WIDE_OPENING");
+}
+
+TEST(ClosureWords, a_skylight_of_no_size_is_too_small) {
+    Sketch s = square(12, 10);
+    s.skylights.emplace_back();
+    s.skylights[0].id = "s1";
+    s.skylights[0].center = {6, 5};
+    s.skylights[0].size = {1e-9, 1e-9};
+    ClosureReport report = closeSketch(s).report;
+    EXPECT_EQ(report.code, "SKYLIGHT_TOO_SMALL");
+    EXPECT_NE(report.message.find("skylight s1 is too small"), std::string::npos) << report.message;
+    s.skylights[0].center = {-6, 5};
+    EXPECT_EQ(closeSketch(s).report.code, "SKYLIGHT_OUTSIDE");
+}
+
+TEST(ClosureWords, of_classes_with_as_much_wall_the_higher_one_has_the_ceiling) {
+    for (const double more : {0.0, 0.0005, -0.0005}) {
+        const ClosureReport report = closeSketch(square(12, 12 + more)).report;
+        ASSERT_EQ(report.rooms.size(), 1u);
+        EXPECT_EQ(report.rooms[0].ceilingFt, 10);
+    }
+    EXPECT_EQ(closeSketch(square(12, 12.1)).report.rooms[0].ceilingFt, 8);
+}
