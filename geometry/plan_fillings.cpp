@@ -149,7 +149,7 @@ private:
 
     // An end that stops short of another wall's face.
     void fillToFace(const WallEnd& e) {
-        if (touches(plan_.solids, e)) return weldOn(e);
+        if (touches(plan_.solids, e) && !endsBesideCopy(e)) return weldOn(e);
         int hit = -1;
         const double t = firstHit(physical_, e.middle, e.out, e.piece, &hit);
         if (t > width_) return;
@@ -159,6 +159,21 @@ private:
             return corner + ((own < t + 2 * thickness(e) ? own : t) + 0.02) * e.out;
         };
         add({e.right, reach(e.right), reach(e.left), e.left});
+    }
+
+    // With air ahead of it and only walls that run beside it round it: one of a wall that was laid twice, no
+    // end that stands against another wall.
+    bool endsBesideCopy(const WallEnd& e) const {
+        const glm::dvec2 ahead = e.middle + 1e-4 * e.out, behind = e.middle - 1e-2 * e.out;
+        return std::ranges::none_of(plan_.solids, [&](const PlanSolid& solid) {
+            if (solid.piece == e.piece) return false;
+            if (contains(solid.outline, ahead)) return true;
+            if (!contains(solid.outline, behind)) return false;
+            if (solid.piece < 0) return true;
+            const WallPiece& other = plan_.pieces[static_cast<size_t>(solid.piece)];
+            return other.curved ||
+                   std::abs(cross(e.out, glm::normalize(other.b - other.a))) > kParallelSine;
+        });
     }
 
     // Faces that touch may miss one another by a rounding error: a hair more wall closes that.
