@@ -28,11 +28,11 @@ namespace heliodon::geometry {
 namespace {
 
 constexpr double kWideOpening = 8; // inches: a bridged opening this wide is worth a warning
-constexpr double kEven = 1e-4;     // of a length: what walls of one class may be shorter than those of another
+constexpr double kEven = 1e-4; // of a length: what walls of one class may be shorter than those of another
 constexpr double kLeastSkylight = 0.005; // inches: corners nearer to one another are one (plan_overlay.cpp)
-constexpr double kDoor = 2 - 1e-6; // inches: as wide as doors are drawn
-constexpr size_t kMostWalls = 500; // the paper's table holds about twenty
-constexpr double kWeld = 1e-9;     // metres
+constexpr double kDoor = 2 - 1e-6;       // inches: as wide as doors are drawn
+constexpr size_t kMostWalls = 500;       // the paper's table holds about twenty
+constexpr double kWeld = 1e-9;           // metres
 constexpr double kTwinOff =
     0.1 * kMetresPerInch; // of corners of twins: the two faces of a wall are not quite parallel
 constexpr double kLeastTriangle = 1e-6 * kMetresPerInch * kMetresPerInch;
@@ -283,9 +283,8 @@ private:
                 notes_.push_back({"SKYLIGHT_TOO_SMALL",
                                   fmt::format("skylight {} is too small and is ignored", skylight.id)});
             else
-                notes_.push_back(
-                    {"SKYLIGHT_OUTSIDE",
-                     fmt::format("skylight {} lies over no room and is ignored", skylight.id)});
+                notes_.push_back({"SKYLIGHT_OUTSIDE",
+                                  fmt::format("skylight {} lies over no room and is ignored", skylight.id)});
         }
     }
 

@@ -171,8 +171,7 @@ private:
             if (!contains(solid.outline, behind)) return false;
             if (solid.piece < 0) return true;
             const WallPiece& other = plan_.pieces[static_cast<size_t>(solid.piece)];
-            return other.curved ||
-                   std::abs(cross(e.out, glm::normalize(other.b - other.a))) > kParallelSine;
+            return other.curved || std::abs(cross(e.out, glm::normalize(other.b - other.a))) > kParallelSine;
         });
     }
 

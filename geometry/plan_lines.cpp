@@ -204,8 +204,8 @@ private:
         return {both, kShortCut * both / (halfTangent * (alongE + alongF))};
     }
 
-    // Where a line ends that meets a solid by `on` before `in`: there, or in the corner that it meets, where a
-    // side of the solid is in line with it and rounding has it run beside that, parting nothing.
+    // Where a line ends that meets a solid by `on` before `in`: there, or in the corner that it meets, where
+    // a side of the solid is in line with it and rounding has it run beside that, parting nothing.
     glm::dvec2 endIn(glm::dvec2 in, glm::dvec2 on) const {
         for (const PlanSolid& solid : plan_.solids)
             for (size_t k = 0, n = solid.outline.size(); k < n; ++k) {
