@@ -54,7 +54,8 @@ Chart PlanFrame::chart() const {
 void PlanFrame::title(Chart& chart, const std::string& title, const std::string& subtitle) const {
     chart.text({kMargin, 22}, title, 15);
     double y = 40;
-    for (const std::string& line : twoLines(subtitle, static_cast<size_t>(chart.width() / kLetter))) {
+    for (const std::string& line :
+         twoLines(subtitle, static_cast<size_t>((chart.width() - kMargin) / kLetter))) {
         chart.text({kMargin, y}, line, 11);
         y += 14;
     }
