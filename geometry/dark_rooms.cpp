@@ -34,6 +34,7 @@ struct DarkOrNot {
     double area = 0, inwards = 0; // of opaque faces; less what looks out
     double volume = 0;
     std::set<uint32_t> floors, others; // materials
+    std::set<uint32_t> floorFaces;     // their numbers in the file
     std::set<std::string> names;       // of objects
 
     bool looksIn() const { return inwards > kOneWay * area; }
@@ -58,7 +59,9 @@ std::vector<DarkOrNot> roomsByGlass(const ModelRooms& rooms, const RawModel& mod
         }
         const dvec3 normal = areaVector(building.vertices, face.loops[0]);
         const double area = glm::length(normal);
-        (normal.y > kLevel * area ? room.floors : room.others).insert(face.material);
+        const bool isFloor = normal.y > kLevel * area;
+        (isFloor ? room.floors : room.others).insert(face.material);
+        if (isFloor) room.floorFaces.insert(drawn);
         room.area += area;
         room.inwards += glm::dot(normal, areaVector(model.vertices, model.face(drawn))) < 0 ? -area : area;
     }
@@ -79,6 +82,7 @@ DarkOrNot litAmong(const std::vector<DarkOrNot>& rooms) {
         light.box = united(light.box, room.box);
         light.volume += room.volume, light.area += room.area, light.inwards += room.inwards;
         light.floors.insert(room.floors.begin(), room.floors.end());
+        light.floorFaces.insert(room.floorFaces.begin(), room.floorFaces.end());
         light.names.insert(room.names.begin(), room.names.end());
     }
     return light;
@@ -103,7 +107,8 @@ bool isSaidToBeRoom(const DarkOrNot& room, const DarkOrNot& light) {
     const auto meet = [](const auto& some, const auto& others) {
         return std::ranges::any_of(some, [&](const auto& one) { return others.contains(one); });
     };
-    if (meet(room.floors, light.floors)) return true;
+    // One face under both may be the ground.
+    if (meet(room.floors, light.floors) && !meet(room.floorFaces, light.floorFaces)) return true;
     return !meet(room.names, light.names) && std::ranges::all_of(room.names, [](const std::string& name) {
         return lowered(name).starts_with("room");
     });

@@ -30,6 +30,15 @@ std::string shown(const RawModel::Object& object) {
     return fmt::format("{} \"{}{}\"", kind, name.substr(0, end), end < name.size() ? "..." : "");
 }
 
+// As a shell takes it for one word, whatever is in it.
+std::string forShell(const std::string& word) {
+    std::string quoted;
+    for (const char c : word) quoted += c == '\'' ? R"('\'')" : std::string(1, c);
+    return "'" + quoted + "'";
+}
+
+constexpr double kOfRoom = 0.5; // of all area: what has more is no thing in the room
+
 } // namespace
 
 void RawModel::addCorner(uint32_t vertex, glm::vec3 normal) {
@@ -80,16 +89,28 @@ InputError RawModel::errorAt(uint32_t face, const std::string& what) const {
 }
 
 std::string RawModel::doWithoutNamed(const std::string& message) const {
-    std::set<std::string> known;
+    struct Share {
+        double area = 0;
+        bool hasGlass = false;
+    };
+    std::map<std::string, Share> known;
     const Object* named = nullptr;
     size_t first = message.size();
-    for (const uint32_t g : group) {
-        if (object[g].name.empty() || !known.insert(object[g].name).second) continue;
-        const size_t at = message.find(fmt::format("({})", shown(object[g])));
-        if (at < first) first = at, named = &object[g];
+    double whole = 0;
+    for (size_t i = 0; i < group.size(); ++i) {
+        const Object& its = object[group[i]];
+        const double area = glm::length(areaVector(vertices, face(i)));
+        whole += area;
+        const auto [share, isNew] = known.try_emplace(its.name);
+        share->second.area += area;
+        share->second.hasGlass |= materials[material[i]].isOpening();
+        if (its.name.empty() || !isNew) continue;
+        const size_t at = message.find(fmt::format("({})", shown(its)));
+        if (at < first) first = at, named = &its;
     }
     if (!named || known.size() < 2) return "";
-    return fmt::format("; --leave-out \"{}\" does without this {}", named->name, named->kind);
+    if (const Share& its = known[named->name]; its.hasGlass || its.area > kOfRoom * whole) return "";
+    return fmt::format("; --leave-out={} does without this {}", forShell(named->name), named->kind);
 }
 
 std::vector<std::vector<uint32_t>> RawModel::loops(size_t i) const {

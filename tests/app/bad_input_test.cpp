@@ -487,7 +487,21 @@ TEST_F(BadInput, one_object_that_keeps_a_room_from_closing) {
                            "f 4 3 2 1\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n"
                            "v 1 1 2\nv 2 1 2\nv 2 2.999 2\nv 1 2.999 2\no Old banner\nf 9 10 11 12\n");
     const std::string command = "model " + in("m.obj") + " -o " + in("out.obj");
-    expectRefused(command, {"m.obj:21 (object \"Old banner\")", "--leave-out \"Old banner\" does without"});
+    expectRefused(command, {"m.obj:21 (object \"Old banner\")", "--leave-out='Old banner' does without"});
+    // For a shell, whatever is in it.
+    const std::string text = readText(in("m.obj")), name = "Old banner";
+    writeText(in("m.obj"), std::string(text).replace(text.find(name), name.size(), "it's $HOME `id`"));
+    expectRefused(command, {R"(--leave-out='it'\''s $HOME `id`' does without)"});
+    EXPECT_EQ(
+        heliodon("model " + in("m.obj") + " -o " + in("made.obj") + R"( --leave-out='it'\''s $HOME `id`')")
+            .exitCode,
+        0);
+    // No thing in the room, but the room.
+    writeText(in("m.obj"), std::string(text).replace(text.find("f 5 6 7 8\n"), 10, ""));
+    const auto open = heliodon(command);
+    EXPECT_EQ(open.exitCode, 2);
+    EXPECT_EQ(open.output.find("--leave-out"), std::string::npos) << open.output;
+    writeText(in("m.obj"), text);
     expectRefused(command + " --leave-out Banner", {"Banner", "expected one of Room, Old banner"});
     expectRefused("model " HELIODON_TEST_DATA "/geometry/sketches/p04_L.json --leave-out w1 -o " +
                       in("out.glb"),

@@ -54,6 +54,16 @@ TEST(DarkRooms, blocks_as_rooms_are_drawn_are_told) {
             }
 }
 
+// A floor of its own material tells a room, but not one face that goes on below both.
+TEST(DarkRooms, blocks_on_the_ground_that_rooms_stand_on_are_told) {
+    for (const double gap : {0.0, 0.3, 1.0}) {
+        Drawing drawing(false);
+        drawing.room(0, 0, true), drawing.room(4 + gap, 0, false);
+        drawing.sheet({0, 0, 0}, {0, 0, 5}, {8 + gap, 0, 0}, "paint");
+        EXPECT_EQ(told(drawing, 2, gap < 0.5 ? "a solid beside" : "it stands apart"), 1u) << gap;
+    }
+}
+
 TEST(DarkRooms, rooms_without_windows_are_rooms) {
     for (const bool over : {false, true})
         for (const double gap : {0.0, 0.3})
