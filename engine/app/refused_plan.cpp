@@ -18,7 +18,7 @@ namespace heliodon::app {
 namespace {
 
 constexpr Ink kDrawn{170, 170, 170}, kOpen{240, 130, 0}, kFault{214, 30, 30};
-constexpr double kLeastCircle = 14, kRoundCircle = 8; // pixels
+constexpr double kLeastCircle = 14, kMostCircle = 90, kRoundCircle = 8; // pixels
 
 class RefusedPlan {
 public:
@@ -40,6 +40,7 @@ public:
         const geometry::Bounds box = geometry::boundsOf(points);
         const glm::dvec2 low = frame_.pixel(flat(box.low)), high = frame_.pixel(flat(box.high));
         const double radius = std::max(kLeastCircle, 0.5 * glm::distance(low, high) + kRoundCircle);
+        if (radius > kMostCircle) return; // seen without
         constexpr int kSides = 48;
         std::vector<glm::dvec2> circle;
         for (int k = 0; k <= kSides; ++k) {
@@ -87,7 +88,7 @@ Chart refusedPlan(const geometry::RefusedModel& model, double northDeg, const st
         plan.circleRound(model.border);
     else if (!model.named.empty())
         plan.circleRound(model.named[0][0]);
-    frame.title(chart, title, why);
+    frame.title(chart, title, why.substr(why.starts_with(' ') ? 1 : 0));
     frame.foot(chart, model.worldPerBuilding, northDeg);
     std::vector<PlanFrame::Key> keys;
     if (!model.glass.empty()) keys.push_back({kOpeningInk, 3, "opening"});
