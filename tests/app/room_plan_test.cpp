@@ -68,11 +68,20 @@ TEST_F(RoomPlan, shows_where_a_model_is_refused) {
     EXPECT_FALSE(std::filesystem::exists(folder / "room.obj"));
     EXPECT_TRUE(shows("close the hole"));
     EXPECT_TRUE(shows(">1 m<") || shows(">2 m<"));
-    // The plan is 720 pixels wide: the hole is a line of all that width, and the circle as large.
+    // The plan is 720 pixels wide: the hole is a line of all that width, and needs no circle.
     const std::string svg = plan();
     EXPECT_NE(svg.find("M40.00 638.00L760.00 638.00\" fill=\"none\" stroke=\"#d61e1e\" stroke-width=\"3\""),
               std::string::npos);
-    EXPECT_NE(svg.find("M768.00 638.00L"), std::string::npos);
+    EXPECT_EQ(svg.find("M768.00 638.00L"), std::string::npos);
+
+    // Of a corridor half a metre wide, without its end.
+    std::string narrow = corners;
+    for (size_t at = 0; (at = narrow.find(" 4\n", at)) != std::string::npos;) narrow.replace(at, 3, " .5\n");
+    writeText(folder / "open.obj",
+              "mtllib open.mtl\n" + narrow +
+                  "usemtl wall\nf 1 4 3 2\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\n");
+    EXPECT_EQ(heliodon(command).exitCode, 2);
+    EXPECT_NE(plan().find("M84.00 98.00L"), std::string::npos) << plan();
 
     std::filesystem::remove(folder / "plan.svg");
     writeText(folder / "open.obj", "mtllib open.mtl\n" + corners + "usemtl wall\n" + faces + "f 1 2 99\n");
