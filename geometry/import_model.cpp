@@ -32,6 +32,7 @@
 #include "geometry/raw_model.h"
 #include "geometry/refused_model.h"
 #include "geometry/room_measures.h"
+#include "geometry/seen_boards.h"
 #include "geometry/sheet_boards.h"
 #include "geometry/sheet_surroundings.h"
 #include "geometry/shell_faces.h"
@@ -98,14 +99,15 @@ public:
             return importSolids(beforePart);
         } catch (const InputError&) {
             faces_ = drawn;
-            for (ModelFaces& faces : withBoards()) {
-                faces_ = std::move(faces);
+            for (WithBoards& with : withBoards()) {
+                faces_ = std::move(with.faces);
                 try {
-                    Building made = importSolids(beforePart);
+                    Building made = importSolids(beforePart, with.boards);
                     if (!hasInsideOfWalls(made)) return made;
                 } catch (const InputError&) { // what was wrong before says more
                 }
             }
+            if (coveredPane_) throw InputError(*coveredPane_);
             throw;
         }
     }
@@ -125,8 +127,9 @@ public:
 
 private:
     // As drawn, but that solids which run into one another are one; where that is refused or the insides of
-    // walls come out as rooms, with those that touch as one, too.
-    Building importSolids(const std::function<void()>& beforePart) {
+    // walls come out as rooms, with those that touch as one, too. `boards`: made of sheets; refused where
+    // these get lost.
+    Building importSolids(const std::function<void()>& beforePart, const std::vector<SoupFace>& boards = {}) {
         const ModelFaces drawn = faces_;
         std::optional<Building> doubtful;
         std::optional<InputError> wrong;
@@ -152,8 +155,9 @@ private:
             faces_.warnings.emplace_back(
                 "solids run into one another, and were not united, as no room was left: what "
                 "runs into walls is not seen in rooms");
-            if (auto made = attempt()) return std::move(*made);
-            if (doubtful) return std::move(*doubtful);
+            auto made = attempt();
+            if (!made) made = std::move(doubtful);
+            if (made && areBoardsSeen(boards, *made, kWeldOfExtent * extent_)) return std::move(*made);
         }
         if (!faces_.folded.empty()) throw InputError(foldError(*faces_.folded.begin()), doubtsOfGlass());
         unite(Solids::thatMeet);
@@ -184,16 +188,22 @@ private:
         return out;
     }
 
+    struct WithBoards {
+        ModelFaces faces;
+        std::vector<SoupFace> boards; // those among them
+    };
+
     // In the ways that sheetsAsBoards() has.
-    std::vector<ModelFaces> withBoards() {
+    std::vector<WithBoards> withBoards() {
         const std::vector<SoupFace> drawn = faces_.soup;
         unite(Solids::thatCross);
         const double scale = worldPerBuilding(model_.vertices), tolerance = kWeldOfExtent * extent_;
         const double thickness = std::max(kBoard * scale, kBoardOfTolerance * tolerance);
-        std::vector<ModelFaces> out;
+        std::vector<WithBoards> out;
         for (SheetBoards& boards :
              sheetsAsBoards(faces_.soup, drawn, isGlass_, thickness, kNearWall * scale, tolerance)) {
-            ModelFaces& faces = out.emplace_back(faces_);
+            const auto first = boards.faces.begin() + static_cast<ptrdiff_t>(boards.first);
+            ModelFaces& faces = out.emplace_back(faces_, std::vector(first, boards.faces.end())).faces;
             faces.soup = std::move(boards.faces);
             faces.warnings.push_back(fmt::format(
                 "{} (the first at {}) in rooms enclose nothing: taken as boards {:.2g} m thick, or that "
@@ -297,12 +307,19 @@ private:
     }
 
     // With room for the glass of panes that have one room on both sides, where nothing else is refused.
-    ModelRooms rooms(const std::set<uint32_t>& made, const std::function<void()>& beforePart) const {
+    ModelRooms rooms(const std::set<uint32_t>& made, const std::function<void()>& beforePart) {
         try {
             return roomsOf(faces_, made, beforePart);
         } catch (const InputError& wrong) {
             auto within = panesWithinRoom(faces_.soup, isGlass_, kWeldOfExtent * extent_);
             if (!within) throw;
+            if (const auto covered = within->covered) {
+                coveredPane_ = model_.errorAt(
+                    covered->first, fmt::format("an opening and a wall ({}) lie on one another, expected a "
+                                                "hole in the wall there",
+                                                model_.place(covered->second)));
+                throw InputError(*coveredPane_);
+            }
             ModelFaces faces = faces_;
             faces.soup = std::move(within->soup);
             for (const bool exact : {false, true}) // closing gaps closes what is between glass and boards
@@ -520,7 +537,8 @@ private:
     ModelFaces faces_;
     std::set<uint32_t> strays_; // the first faces of glass that stands free, but not in a room
     std::optional<InputError> whyNoPane_;
-    bool insideOut_ = false; // with panes that fit, what is drawn bounds the inside of walls
+    std::optional<InputError> coveredPane_; // with one room on both sides
+    bool insideOut_ = false;                // with panes that fit, what is drawn bounds the inside of walls
     double extent_ = 0;
 };
 

@@ -33,21 +33,30 @@ double areaOf(const std::vector<SoupFace>& faces) {
     return sum;
 }
 
-// SoupFace::surface of glass with the same air on both sides.
-std::set<uint32_t> surfacesWithin(const std::vector<SoupFace>& faces,
-                                  const std::function<bool(uint32_t)>& isGlass, double tolerance) {
-    std::set<uint32_t> out;
+struct GlassWithin { // SoupFace::surface
+    std::set<uint32_t> surfaces;
+    std::optional<std::pair<uint32_t, uint32_t>> covered;
+};
+
+// Glass with the same air on both sides.
+GlassWithin glassWithin(const std::vector<SoupFace>& faces, const std::function<bool(uint32_t)>& isGlass,
+                        double tolerance) {
+    GlassWithin out;
     const auto space = partsOfSpace(faces, isGlass, tolerance);
     if (!space) {
         const auto sheets = openSheets(faces, isGlass, tolerance);
-        return sheets ? surfacesWithin(sheets->closed, isGlass, tolerance) : out;
+        return sheets ? glassWithin(sheets->closed, isGlass, tolerance) : out;
     }
     for (uint32_t f = 0; f < space->welded.faces.size(); ++f) {
         if (space->partAt(f, 0) != space->partAt(f, 1)) continue;
         if (space->parts.at(space->partAt(f, 0)).volume <= 0) continue;
+        std::optional<uint32_t> glass, other;
         for (const auto& list : space->sheetOf(f).drawn)
-            for (const uint32_t k : list)
-                if (isGlass(faces[k].material)) out.insert(faces[k].surface);
+            for (const uint32_t k : list) {
+                (isGlass(faces[k].material) ? glass : other) = faces[k].surface;
+                if (isGlass(faces[k].material)) out.surfaces.insert(faces[k].surface);
+            }
+        if (glass && other) out.covered = std::pair(*glass, *other);
     }
     return out;
 }
@@ -83,7 +92,8 @@ std::vector<std::vector<uint32_t>> panesOf(const std::vector<SoupFace>& soup,
 std::optional<PanesWithinRoom> panesWithinRoom(const std::vector<SoupFace>& soup,
                                                const std::function<bool(uint32_t)>& isGlass,
                                                double tolerance) {
-    const std::set<uint32_t> surfaces = surfacesWithin(soup, isGlass, tolerance);
+    const auto [surfaces, covered] = glassWithin(soup, isGlass, tolerance);
+    if (covered) return PanesWithinRoom{.covered = covered};
     if (surfaces.empty()) return std::nullopt;
     const PaneFitter holes(soup, isGlass, tolerance);
     PanesWithinRoom out;

@@ -2,8 +2,10 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "geometry/face_soup.h"
@@ -13,6 +15,8 @@ namespace heliodon::geometry {
 struct PanesWithinRoom {
     std::vector<SoupFace> soup;
     size_t panes = 0;
+    // SoupFace::surface of such a pane and of what is opaque and lies on it; nothing else where there is one.
+    std::optional<std::pair<uint32_t, uint32_t>> covered;
 };
 
 // A shell may not touch itself: in the place of each flat pane that one bounded part of space is on both

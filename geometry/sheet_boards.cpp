@@ -152,10 +152,10 @@ private:
             return {half, half};
         for (const double side : {1.0, -1.0})
             if (const Gap gap = gapTo(walls_, members, side * n, near_); gap.all) return reach(gap, side);
-        // Half over a window, and nearer than a board reaches.
+        // Half over a window, and nearer than a board reaches; one that leans is cut off by the wall.
         for (const double side : {1.0, -1.0})
             if (const Gap gap = gapTo(all_, members, side * n, half - tolerance_);
-                gap.all && gapTo(walls_, members, side * n, half - tolerance_).any)
+                gap.all && !leans(gap) && gapTo(walls_, members, side * n, half - tolerance_).any)
                 return reach(gap, side);
         return {half, half};
     }
@@ -182,9 +182,10 @@ private:
         return gap;
     }
 
+    bool leans(const Gap& gap) const { return gap.most - gap.least > tolerance_; }
+
     std::pair<double, double> reach(const Gap& gap, double side) const {
-        const double back =
-            gap.most - gap.least > tolerance_ ? gap.most + thickness_ : gap.most; // leaning ones into it
+        const double back = leans(gap) ? gap.most + thickness_ : gap.most; // leaning ones into it
         return side > 0 ? std::pair(back, 0.0) : std::pair(0.0, back);
     }
 
@@ -336,7 +337,8 @@ std::optional<SheetBoards> boardsOf(const std::set<uint32_t>& inRooms, const std
     std::set<uint32_t> surfaces;
     for (const uint32_t k : inRooms) surfaces.insert(faces[k].surface);
     if (isOfBody(drawn, surfaces, tolerance)) return std::nullopt;
-    SheetBoards out{.faces = {}, .sheets = inRooms.size(), .surface = faces[*inRooms.begin()].surface};
+    SheetBoards out{
+        .faces = {}, .first = 0, .sheets = inRooms.size(), .surface = faces[*inRooms.begin()].surface};
     std::vector<SoupFace> sheets, walls;
     for (uint32_t k = 0; k < faces.size(); ++k) {
         if (inRooms.contains(k)) {
@@ -349,6 +351,7 @@ std::optional<SheetBoards> boardsOf(const std::set<uint32_t>& inRooms, const std
     const auto raysOf = [&](const std::vector<SoupFace>& some) {
         return TriangleRays(trianglesOf(flatFacesOf(weldedByNumber(some, tolerance))), tolerance);
     };
+    out.first = out.faces.size();
     const TriangleRays ofWalls = raysOf(walls), ofAll = raysOf(out.faces);
     if (!BoardMaker(drawnOnce(sheets), ofWalls, ofAll, thickness, near, tolerance).make(out.faces))
         return std::nullopt;

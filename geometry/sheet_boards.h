@@ -11,6 +11,7 @@ namespace heliodon::geometry {
 
 struct SheetBoards {
     std::vector<SoupFace> faces; // all, boards in place of sheets
+    size_t first = 0;            // where the boards begin
     size_t sheets = 0;           // faces that became boards
     uint32_t surface = 0;        // of the first
 };
