@@ -46,7 +46,8 @@ public:
         for (const FlatFace& sheet : sheets_) {
             if (std::ranges::any_of(sheet.triangles,
                                     [&](const auto& t) { return isWithin(shell_, t, tolerance_); }) ||
-                tree.anyHolding(sheet.box.high + kWithin * tolerance_, sheet.box.low - kWithin * tolerance_,
+                tree.anyHolding(sheet.box.high + kRightBefore * tolerance_,
+                                sheet.box.low - kRightBefore * tolerance_,
                                 [&](uint32_t i) { return isRightBefore(sheet, rooms_[i]); }))
                 return SheetFault{sheet.surface,
                                   "lies in a room, a sheet without thickness that encloses nothing"};
@@ -87,11 +88,11 @@ private:
         return facesCross(sheet, wall, tolerance_) || (wall.isGlass && covers(sheet, wall, tolerance_));
     }
 
-    // Nearer than any point of it could be told to lie in the room.
+    // Nearer than the middle of a triangle of it could be told to lie in the room.
     bool isRightBefore(const FlatFace& sheet, const FlatFace& wall) const {
         return std::ranges::all_of(sheet.loops[0], [&](dvec3 p) { return wall.height(p) >= 0; }) &&
                std::ranges::any_of(sheet.loops[0], [&](dvec3 p) { return wall.height(p) > 0; }) &&
-               covers(sheet, wall, kWithin * tolerance_);
+               covers(sheet, wall, kRightBefore * tolerance_);
     }
 
     // In the plane of the pane, to within `near`, and, more than by its border, over it.
@@ -114,6 +115,7 @@ private:
     }
 
     static constexpr double kWithin = 2; // tolerances: what isWithin() asks to be of a room beside a sheet
+    static constexpr double kRightBefore = 3 * kWithin; // a corner, where the other two are on the wall
 
     const std::vector<FlatFace>&sheets_, &rooms_;
     std::vector<Bounds> boxes_; // of the latter

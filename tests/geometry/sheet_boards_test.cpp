@@ -198,6 +198,12 @@ TEST(SheetBoards, leaning_posters_half_over_a_window_hide_that_of_it) {
         EXPECT_NEAR(area.at("wall") + area.at("glass"), 85 - 0.5, 1e-3) << low;
         EXPECT_NEAR(area.at("glass"), 2.4 - 0.25, 1e-3) << low;
     }
+    for (const auto& [low, high] : {std::pair(0.0, 2e-4), std::pair(5e-5, 1.5e-4)}) { // nor outside
+        Drawing drawing(false);
+        drawing.room(0, -1, true);
+        drawing.face("paint", {{0.5, 1, low}, {1.5, 1, low}, {1.5, 1.5, high}, {0.5, 1.5, high}});
+        EXPECT_THROW(drawing.read(), InputError) << low;
+    }
 }
 
 // Nor united with walls: with an edge on the floor, from which it leans by 3 %.
