@@ -10,11 +10,14 @@
 #include <glm/mat3x3.hpp>
 #include <glm/matrix.hpp>
 
+#include "geometry/bounds.h"
+#include "geometry/box_tree.h"
 #include "geometry/disjoint_sets.h"
 #include "geometry/flat_faces.h"
 #include "geometry/model_faces.h"
 #include "geometry/open_sheets.h"
 #include "geometry/outline_area.h"
+#include "geometry/ray_triangle.h"
 #include "geometry/sheet_rooms.h"
 #include "geometry/shell_faces.h"
 #include "geometry/space_sheets.h"
@@ -30,6 +33,8 @@ constexpr double kAlmost = 0.25;      // of `near`: a sheet that ends so little 
 constexpr double kNearlyFlat = 1e-12; // below 1e-16 a determinant is rounding
 constexpr double kOfFlat = 0.01;      // more than one has no offset between planes that are one or nearly so
 constexpr double kHold = 1e-4;
+constexpr double kNoAccount = 0.01; // tolerances: nearer a wall's plane than this a rim stays as it is
+constexpr double kThick = 0.6;      // least part of its thickness where a rim slides along a wall
 constexpr double kPlanar = kPlanarOfExtent / kWeldOfExtent; // tolerances: what rooms take as flat
 constexpr size_t kMostShared = 1; // edges with what is no sheet: more has the last face of a broken body
 
@@ -38,12 +43,52 @@ std::vector<SoupFace> numbered(std::vector<SoupFace> faces) {
     return faces;
 }
 
+// What sheets stand on, by where it is.
+class Stands {
+public:
+    Stands(const std::vector<FlatFace>& faces, double tolerance)
+        : faces_(faces), boxes_(boxesOf(faces, tolerance)), tree_(boxes_), tolerance_(tolerance) {}
+    Stands(const Stands&) = delete;
+    Stands& operator=(const Stands&) = delete;
+
+    // Of the faces in whose planes both ends lie, and that have one of three points between them.
+    std::vector<dvec3> normalsAlong(dvec3 from, dvec3 to) const {
+        std::vector<dvec3> out;
+        for (const double part : {1e-3, 0.5, 1 - 1e-3}) {
+            const dvec3 p = glm::mix(from, to, part);
+            tree_.anyHolding(p, p, [&](uint32_t i) {
+                const FlatFace& face = faces_[i];
+                if (std::abs(face.height(from)) <= tolerance_ && std::abs(face.height(to)) <= tolerance_ &&
+                    std::ranges::any_of(face.triangles, [&](const ShellTriangle& t) {
+                        return distanceTo(t, p + 2 * tolerance_ * face.normal, -face.normal).has_value();
+                    }))
+                    out.push_back(face.normal);
+                return false; // look at all
+            });
+        }
+        return out;
+    }
+
+private:
+    static std::vector<Bounds> boxesOf(const std::vector<FlatFace>& faces, double tolerance) {
+        std::vector<Bounds> out;
+        for (const FlatFace& face : faces)
+            out.push_back({face.box.low - tolerance, face.box.high + tolerance});
+        return out;
+    }
+
+    const std::vector<FlatFace>& faces_;
+    std::vector<Bounds> boxes_;
+    BoxTree tree_; // of these
+    double tolerance_;
+};
+
 class BoardMaker {
 public:
-    // `all`: the walls and the glass.
+    // `all`: the walls and the glass, as `stands` are.
     BoardMaker(const std::vector<SoupFace>& sheets, const TriangleRays& walls, const TriangleRays& all,
-               double thickness, double near, double tolerance)
-        : sheets_(sheets), walls_(walls), all_(all), thickness_(thickness), near_(near),
+               const Stands& stands, double thickness, double near, double tolerance)
+        : sheets_(sheets), walls_(walls), all_(all), stands_(stands), thickness_(thickness), near_(near),
           tolerance_(tolerance), welded_(weldedByNumber(sheets, tolerance)) {}
 
     // False where a sheet has one side alone, or ends a hair before a wall.
@@ -74,6 +119,8 @@ private:
         }
         offset_.clear();
         for (const auto& [v, sums] : planes) offset_[v] = offsetFrom(sums.first, sums.second);
+        for (const auto& [v, normals] : normalsAtRim(members, edges))
+            slide(offset_.at(v), planes.at(v).first, planes.at(v).second, normals);
         if (endsAlmostOnWalls(members, edges)) return false;
         const auto [ahead, behind] = depths(members);
         for (const uint32_t f : members) addSides(f, ahead, behind, edges, out);
@@ -90,6 +137,45 @@ private:
         if (isFlat && (glm::length(d) > 1 + kOfFlat || glm::length(squares * d - sum) > 1e-6 * all))
             return glm::inverse(squares + glm::dmat3(kHold)) * (sum + kHold * glm::normalize(sum));
         return d * std::min(1.0, kMostOffset / glm::length(d));
+    }
+
+    // Per corner of the rim, of what that stands on.
+    std::map<uint32_t, std::vector<dvec3>>
+    normalsAtRim(const std::vector<uint32_t>& members,
+                 const std::map<Edge, std::vector<uint32_t>>& edges) const {
+        std::map<uint32_t, std::vector<dvec3>> out;
+        for (const uint32_t f : members)
+            for (const auto& loop : welded_.faces[f].loops)
+                for (size_t k = 0; k < loop.size(); ++k) {
+                    const uint32_t a = loop[k], b = loop[(k + 1) % loop.size()];
+                    if (edges.at(std::minmax(a, b)).size() == 2) continue;
+                    for (const dvec3 n : stands_.normalsAlong(welded_.vertices[a], welded_.vertices[b]))
+                        out[a].push_back(n), out[b].push_back(n);
+                }
+        return out;
+    }
+
+    // The rim of a leaning sheet would half leave the floor, by as little as corners are welded within: there
+    // it moves in the floor's plane, along that of the sheet. Where it lies in several planes, it keeps to
+    // those that turn it least, and to none that it is too nearly parallel to.
+    void slide(dvec3& offset, const glm::dmat3& squares, dvec3 sum, std::vector<dvec3> normals) const {
+        const auto off = [&](dvec3 n) { return std::abs(glm::dot(n, offset)); };
+        const double least = kNoAccount * tolerance_ / near_;
+        if (std::ranges::all_of(normals, [&](dvec3 n) { return off(n) <= least; })) return;
+        std::ranges::stable_sort(normals, {}, off);
+        dvec3 slid = offset;
+        glm::dmat3 freedom = glm::inverse(squares + glm::dmat3(kHold)); // large along the sheet
+        const double faces = squares[0][0] + squares[1][1] + squares[2][2];
+        for (const dvec3 n : normals) {
+            const dvec3 along = freedom * n;
+            const double most = glm::dot(n, along);
+            if (most < kHold) continue; // as one before, or nothing is left free
+            const dvec3 to = slid - along * (glm::dot(n, slid) / most);
+            if (!(glm::length(to) <= kMostOffset && glm::dot(sum, to) >= kThick * faces)) continue;
+            slid = to;
+            freedom -= glm::outerProduct(along, along) / most;
+        }
+        offset = slid;
     }
 
     // Over its edges, all sheets to one side.
@@ -241,6 +327,7 @@ private:
 
     const std::vector<SoupFace>& sheets_;
     const TriangleRays &walls_, &all_;
+    const Stands& stands_;
     double thickness_, near_, tolerance_;
     Building welded_;
     std::map<uint32_t, bool> over_;    // per face of one whole
@@ -348,12 +435,14 @@ std::optional<SheetBoards> boardsOf(const std::set<uint32_t>& inRooms, const std
         out.faces.push_back(faces[k]);
         if (!isGlass(faces[k].material)) walls.push_back(faces[k]);
     }
-    const auto raysOf = [&](const std::vector<SoupFace>& some) {
-        return TriangleRays(trianglesOf(flatFacesOf(weldedByNumber(some, tolerance))), tolerance);
+    const auto flatOf = [&](const std::vector<SoupFace>& some) {
+        return flatFacesOf(weldedByNumber(some, tolerance));
     };
     out.first = out.faces.size();
-    const TriangleRays ofWalls = raysOf(walls), ofAll = raysOf(out.faces);
-    if (!BoardMaker(drawnOnce(sheets), ofWalls, ofAll, thickness, near, tolerance).make(out.faces))
+    const std::vector<FlatFace> all = flatOf(out.faces);
+    const TriangleRays ofWalls(trianglesOf(flatOf(walls)), tolerance), ofAll(trianglesOf(all), tolerance);
+    const Stands stands(all, tolerance);
+    if (!BoardMaker(drawnOnce(sheets), ofWalls, ofAll, stands, thickness, near, tolerance).make(out.faces))
         return std::nullopt;
     return out;
 }

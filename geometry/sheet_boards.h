@@ -19,7 +19,8 @@ struct SheetBoards {
 // Each face of which a part hangs open (geometry/open_sheets) within what the others enclose becomes, with
 // those that it shares an edge with, a closed board whose faces look out of it, each side with its material:
 // `thickness` (metres), half on either side, but back to a wall that is parallel and `near` at most, and to
-// walls and glass together that it would reach into. Glass (`isGlass` of a material) is none. None where
+// walls and glass together that it would reach into; a rim on a wall or floor keeps to that, however the
+// sheet leans, unless it lies within 12 degrees of it. Glass (`isGlass` of a material) is none. None where
 // there is no such face, or one has one side alone, like a Moebius strip, ends before a wall by less than a
 // quarter of `near` (it was to reach it), or has two edges or more with other faces as they were `drawn`
 // (what is left of a body that lacks one). Where some stand on faces that lie on others and have edges with

@@ -279,6 +279,40 @@ TEST(SheetBoards, leaning_and_folded_sheets_of_many_faces_are_a_millimetre_thick
     EXPECT_NEAR(thickness({1, 1, 1}, {up, 1.1 * up, down, up}, {far, on, 1.3 * on}), 1e-3, 1e-5);
 }
 
+// However little their rims, moved along the sheet's normal, would leave that.
+TEST(SheetBoards, leaning_and_flared_sheets_stand_on_floors_and_ceilings) {
+    const auto thickness = [](double turned, double area, const Sheets& sheets) {
+        Drawing drawing(false);
+        drawing.turned = turned;
+        drawing.room(0, -1, true);
+        sheets(drawing);
+        return (50 - read(drawing).size) / area;
+    };
+    const dvec3 x(1, 0, 0);
+    for (const double turned : {0.0, 0.13})
+        for (const double slope : {0.02, 0.05, 0.1, 0.16, 2.0}) {
+            SCOPED_TRACE(fmt::format("slope {}, turned by {}", slope, turned));
+            const dvec3 up(0, 1, slope), down(0, -1, slope);
+            for (const auto& [at, v] : {std::pair(dvec3(1, 0, 2), up), std::pair(dvec3(1, 2.5, 2), down),
+                                        std::pair(dvec3(0, 0, 2), up)}) // the last along a wall, too
+                EXPECT_NEAR(thickness(turned, glm::length(v), [&](Drawing& d) { d.sheet(at, x, v); }), 1e-3,
+                            1e-6);
+            const auto shade = [&](Drawing& d) { // of eight sides
+                const auto at = [&](int k, double y) {
+                    const double angle = 0.25 * std::numbers::pi * k, r = 0.3 + 0.5 * slope * y;
+                    return dvec3(2 + r * std::cos(angle), y, 2.5 + r * std::sin(angle));
+                };
+                for (int k = 0; k < 8; ++k)
+                    d.face("wall", {at(k, 0), at(k + 1, 0), at(k + 1, 0.6), at(k, 0.6)});
+            };
+            const double inner = 0.3 * std::cos(std::numbers::pi / 8),
+                         outer = (0.3 + 0.3 * slope) * std::cos(std::numbers::pi / 8),
+                         area = 8 * std::tan(std::numbers::pi / 8) * (inner + outer) *
+                                std::hypot(0.6, outer - inner);
+            EXPECT_NEAR(thickness(turned, area, shade), 1e-3, 5e-6);
+        }
+}
+
 // Half of the bottom's millimetre is in the floor, or, as that of some without a divider, all.
 TEST(SheetBoards, boxes_without_a_lid_stand_on_floors) {
     for (const double divided : {0.0, 0.3})

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <functional>
@@ -28,6 +29,7 @@ using glm::dvec3;
 class Drawing {
 public:
     double deep = 5;            // rooms are
+    double turned = 0;          // radians, about the vertical
     bool twoSided = false;      // each face once a side
     bool triangles = false;     // as most programs write
     const char* floor = "wall"; // the material of rooms' floors
@@ -56,7 +58,9 @@ public:
         if (over_) std::ranges::reverse(corners);
         out_ << "usemtl " << material << '\n';
         for (const dvec3& corner : corners) {
-            const dvec3 p = units_ * corner;
+            const double c = std::cos(turned), s = std::sin(turned);
+            const dvec3 p =
+                units_ * dvec3(c * corner.x + s * corner.z, corner.y, c * corner.z - s * corner.x);
             out_ << fmt::format("v {:.9g} {:.9g} {:.9g}\n", p.x, p.y, p.z);
         }
         out_ << "f";
