@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <set>
 #include <utility>
@@ -33,6 +34,8 @@ constexpr double kAlmost = 0.25;      // of `near`: a sheet that ends so little 
 constexpr double kNearlyFlat = 1e-12; // below 1e-16 a determinant is rounding
 constexpr double kOfFlat = 0.01;      // more than one has no offset between planes that are one or nearly so
 constexpr double kHold = 1e-4;
+constexpr double kParallel = 0.9;   // least cosine to a wall behind: the floor is none
+constexpr double kOnPlane = 0.98;   // cosine: a sheet along a wall goes on from it, and stands not on it
 constexpr double kNoAccount = 0.01; // tolerances: nearer a wall's plane than this a rim stays as it is
 constexpr double kThick = 0.6;      // least part of its thickness where a rim slides along a wall
 constexpr double kPlanar = kPlanarOfExtent / kWeldOfExtent; // tolerances: what rooms take as flat
@@ -43,13 +46,27 @@ std::vector<SoupFace> numbered(std::vector<SoupFace> faces) {
     return faces;
 }
 
-// What sheets stand on, by where it is.
-class Stands {
+// What sheets stand on and lie before, by where it is.
+class Walls {
 public:
-    Stands(const std::vector<FlatFace>& faces, double tolerance)
-        : faces_(faces), boxes_(boxesOf(faces, tolerance)), tree_(boxes_), tolerance_(tolerance) {}
-    Stands(const Stands&) = delete;
-    Stands& operator=(const Stands&) = delete;
+    Walls(std::vector<FlatFace> faces, double tolerance)
+        : faces_(std::move(faces)), boxes_(boxesOf(faces_, tolerance)), tree_(boxes_), tolerance_(tolerance) {
+    }
+    Walls(const Walls&) = delete;
+    Walls& operator=(const Walls&) = delete;
+
+    // Infinite where none within `reach` is met; of those whose normals have this cosine to `way`, or more.
+    double nearest(dvec3 from, dvec3 way, double reach, double cosine = 0) const {
+        double least = std::numeric_limits<double>::infinity();
+        tree_.anyAlong(from, way, reach, [&](uint32_t i) {
+            if (std::abs(glm::dot(faces_[i].normal, way)) < cosine) return false;
+            for (const ShellTriangle& t : faces_[i].triangles)
+                if (const auto at = distanceTo(t, from, way); at && *at <= reach)
+                    least = std::min(least, *at);
+            return false; // look at all
+        });
+        return least;
+    }
 
     // Of the faces in whose planes both ends lie, and that have one of three points between them.
     std::vector<dvec3> normalsAlong(dvec3 from, dvec3 to) const {
@@ -72,12 +89,11 @@ public:
 private:
     static std::vector<Bounds> boxesOf(const std::vector<FlatFace>& faces, double tolerance) {
         std::vector<Bounds> out;
-        for (const FlatFace& face : faces)
-            out.push_back({face.box.low - tolerance, face.box.high + tolerance});
+        for (const FlatFace& f : faces) out.push_back({f.box.low - tolerance, f.box.high + tolerance});
         return out;
     }
 
-    const std::vector<FlatFace>& faces_;
+    std::vector<FlatFace> faces_;
     std::vector<Bounds> boxes_;
     BoxTree tree_; // of these
     double tolerance_;
@@ -85,10 +101,10 @@ private:
 
 class BoardMaker {
 public:
-    // `all`: the walls and the glass, as `stands` are.
-    BoardMaker(const std::vector<SoupFace>& sheets, const TriangleRays& walls, const TriangleRays& all,
-               const Stands& stands, double thickness, double near, double tolerance)
-        : sheets_(sheets), walls_(walls), all_(all), stands_(stands), thickness_(thickness), near_(near),
+    // `all`: the walls and the glass.
+    BoardMaker(const std::vector<SoupFace>& sheets, const Walls& walls, const Walls& all, double thickness,
+               double near, double tolerance)
+        : sheets_(sheets), walls_(walls), all_(all), thickness_(thickness), near_(near),
           tolerance_(tolerance), welded_(weldedByNumber(sheets, tolerance)) {}
 
     // False where a sheet has one side alone, or ends a hair before a wall.
@@ -149,8 +165,9 @@ private:
                 for (size_t k = 0; k < loop.size(); ++k) {
                     const uint32_t a = loop[k], b = loop[(k + 1) % loop.size()];
                     if (edges.at(std::minmax(a, b)).size() == 2) continue;
-                    for (const dvec3 n : stands_.normalsAlong(welded_.vertices[a], welded_.vertices[b]))
-                        out[a].push_back(n), out[b].push_back(n);
+                    for (const dvec3 n : all_.normalsAlong(welded_.vertices[a], welded_.vertices[b]))
+                        if (std::abs(glm::dot(n, normalOf(f))) < kOnPlane)
+                            out[a].push_back(n), out[b].push_back(n);
                 }
         return out;
     }
@@ -251,8 +268,7 @@ private:
         double least, most = 0;
     };
 
-    Gap gapTo(const TriangleRays& walls, const std::vector<uint32_t>& members, dvec3 way,
-              double within) const {
+    Gap gapTo(const Walls& walls, const std::vector<uint32_t>& members, dvec3 way, double within) const {
         Gap gap{.least = within};
         for (const uint32_t f : members) {
             dvec3 middle(0);
@@ -260,7 +276,7 @@ private:
             for (const uint32_t v : loop) middle += welded_.vertices[v] / double(loop.size());
             for (const uint32_t v : loop) { // not along the border of the wall
                 const dvec3 p = glm::mix(welded_.vertices[v], middle, 1e-3);
-                const double far = walls.nearest(p, way, within);
+                const double far = walls.nearest(p, way, within, kParallel);
                 gap.all &= far <= within, gap.any |= far <= within;
                 gap.least = std::min(gap.least, far), gap.most = std::max(gap.most, far);
             }
@@ -326,8 +342,7 @@ private:
     }
 
     const std::vector<SoupFace>& sheets_;
-    const TriangleRays &walls_, &all_;
-    const Stands& stands_;
+    const Walls &walls_, &all_;
     double thickness_, near_, tolerance_;
     Building welded_;
     std::map<uint32_t, bool> over_;    // per face of one whole
@@ -435,14 +450,12 @@ std::optional<SheetBoards> boardsOf(const std::set<uint32_t>& inRooms, const std
         out.faces.push_back(faces[k]);
         if (!isGlass(faces[k].material)) walls.push_back(faces[k]);
     }
-    const auto flatOf = [&](const std::vector<SoupFace>& some) {
-        return flatFacesOf(weldedByNumber(some, tolerance));
+    const auto wallsOf = [&](const std::vector<SoupFace>& some) {
+        return Walls(flatFacesOf(weldedByNumber(some, tolerance)), tolerance);
     };
     out.first = out.faces.size();
-    const std::vector<FlatFace> all = flatOf(out.faces);
-    const TriangleRays ofWalls(trianglesOf(flatOf(walls)), tolerance), ofAll(trianglesOf(all), tolerance);
-    const Stands stands(all, tolerance);
-    if (!BoardMaker(drawnOnce(sheets), ofWalls, ofAll, stands, thickness, near, tolerance).make(out.faces))
+    const Walls ofWalls = wallsOf(walls), ofAll = wallsOf(out.faces);
+    if (!BoardMaker(drawnOnce(sheets), ofWalls, ofAll, thickness, near, tolerance).make(out.faces))
         return std::nullopt;
     return out;
 }

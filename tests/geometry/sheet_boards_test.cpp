@@ -280,7 +280,7 @@ TEST(SheetBoards, leaning_and_folded_sheets_of_many_faces_are_a_millimetre_thick
 }
 
 // However little their rims, moved along the sheet's normal, would leave that.
-TEST(SheetBoards, leaning_and_flared_sheets_stand_on_floors_and_ceilings) {
+TEST(SheetBoards, leaning_and_flared_sheets_stand_on_floors_and_ceilings_and_lean_on_walls) {
     const auto thickness = [](double turned, double area, const Sheets& sheets) {
         Drawing drawing(false);
         drawing.turned = turned;
@@ -293,10 +293,15 @@ TEST(SheetBoards, leaning_and_flared_sheets_stand_on_floors_and_ceilings) {
         for (const double slope : {0.02, 0.05, 0.1, 0.16, 2.0}) {
             SCOPED_TRACE(fmt::format("slope {}, turned by {}", slope, turned));
             const dvec3 up(0, 1, slope), down(0, -1, slope);
+            const double high = glm::length(up);
             for (const auto& [at, v] : {std::pair(dvec3(1, 0, 2), up), std::pair(dvec3(1, 2.5, 2), down),
                                         std::pair(dvec3(0, 0, 2), up)}) // the last along a wall, too
-                EXPECT_NEAR(thickness(turned, glm::length(v), [&](Drawing& d) { d.sheet(at, x, v); }), 1e-3,
-                            1e-6);
+                EXPECT_NEAR(thickness(turned, high, [&](Drawing& d) { d.sheet(at, x, v); }), 1e-3, 1e-6);
+            for (const double gap : {0.0, 0.01}) { // its foot clear of the wall that it leans on
+                const dvec3 at(1, 0, 5 - slope - gap);
+                if (slope == 0.02) continue;
+                EXPECT_NEAR(thickness(turned, high, [&](Drawing& d) { d.sheet(at, x, up); }), 1e-3, 3e-6);
+            }
             const auto shade = [&](Drawing& d) { // of eight sides
                 const auto at = [&](int k, double y) {
                     const double angle = 0.25 * std::numbers::pi * k, r = 0.3 + 0.5 * slope * y;
@@ -334,6 +339,21 @@ TEST(SheetBoards, boxes_without_a_lid_stand_on_floors) {
             EXPECT_NEAR(area.at("paint"), 2 * sides + 0.24, 4e-3);
             EXPECT_NEAR(area.at("wall"), 85 - 2.4 - 0.24 + 2 * divider, 4e-3);
         }
+}
+
+// In the planes of the lower one's sides.
+TEST(SheetBoards, boxes_without_a_lid_stand_on_one_another) {
+    for (const bool triangles : {false, true}) {
+        Drawing drawing(false);
+        drawing.room(0, -1, true);
+        drawing.triangles = triangles;
+        for (const double low : {0.0, 0.3})
+            for (const size_t k : {0u, 2u, 3u, 4u, 5u}) {
+                const auto [at, u, v] = Drawing::sidesOf({1, low, 2}, {0.6, 0.3, 0.6})[k];
+                drawing.face("paint", {at, at + v, at + u + v, at + u});
+            }
+        EXPECT_NEAR(read(drawing).size, 50 - 0.6 * 0.6 * 0.3 - 1e-3 * 4 * 0.6 * 0.3, 1e-5) << triangles;
+    }
 }
 
 TEST(SheetBoards, each_side_has_its_material) {
