@@ -45,8 +45,7 @@ public:
         faces_ = flatFacesOf(unwelded(faces));
         findBodies(weldedByNumber(faces, tolerance));
         if (solids_.empty()) return; // nothing to meet
-        for (const FlatFace& face : faces_)
-            boxes_.push_back({face.box.low - tolerance, face.box.high + tolerance});
+        boxes_ = boxesOf(faces_, tolerance);
         tree_.emplace(boxes_);
         if (solids_.size() > 1) straighten();
     }

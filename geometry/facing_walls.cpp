@@ -15,10 +15,6 @@ namespace {
 
 constexpr double kSameWall = 0.1; // inches: what is nearer to a wall's middle does not stand before it
 
-glm::dvec2 leftOf(glm::dvec2 d) {
-    return {-d.y, d.x};
-}
-
 // Those that are no farther apart than `gap` as one.
 std::vector<Stretch> merged(std::vector<Stretch> all, double gap) {
     std::ranges::sort(all, {}, &Stretch::from);

@@ -5,18 +5,13 @@
 #include <vector>
 
 #include "geometry/plan_walls.h"
+#include "geometry/used_stretches.h"
 
 namespace heliodon::geometry {
 
 struct WallRun;
 
 constexpr double kIntoCorner = 0.375; // inches: walls reach so far beyond the corner that a room sees
-
-// Inches along a straight side.
-struct Stretch {
-    double from = 0, to = 0;
-    double length() const { return to - from; }
-};
 
 // What walls of the side, and cracks between them, cover.
 std::vector<Stretch> coveredStretches(const PlanWalls& plan, int line);

@@ -74,6 +74,12 @@ std::vector<ShellTriangle> trianglesOf(const std::vector<FlatFace>& faces) {
     return out;
 }
 
+std::vector<Bounds> boxesOf(const std::vector<FlatFace>& faces, double margin) {
+    std::vector<Bounds> out;
+    for (const FlatFace& face : faces) out.push_back({face.box.low - margin, face.box.high + margin});
+    return out;
+}
+
 Bounds boundsOfFaces(const std::vector<FlatFace>& faces) {
     Bounds out = faces[0].box;
     for (const FlatFace& face : faces) out = united(out, face.box);

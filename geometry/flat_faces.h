@@ -38,6 +38,9 @@ std::vector<FlatFace> flatFacesOf(const Building& building);
 
 std::vector<ShellTriangle> trianglesOf(const std::vector<FlatFace>& faces);
 
+// Of each face, so much larger all round: for a BoxTree.
+std::vector<Bounds> boxesOf(const std::vector<FlatFace>& faces, double margin);
+
 // Of at least one face.
 Bounds boundsOfFaces(const std::vector<FlatFace>& faces);
 

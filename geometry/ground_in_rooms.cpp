@@ -32,8 +32,7 @@ public:
         : walls_(flatFacesOf(rooms)), box_(boundsOfFaces(walls_)), shells_(trianglesOf(walls_), tolerance),
           storey_(heightOfFences(heightOfLowRoom(rooms, worldPerBuilding), worldPerBuilding)),
           tolerance_(tolerance) {
-        for (const FlatFace& wall : walls_)
-            boxes_.push_back({wall.box.low - tolerance, wall.box.high + tolerance});
+        boxes_ = boxesOf(walls_, tolerance);
         tree_.emplace(boxes_);
     }
 

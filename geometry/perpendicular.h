@@ -21,4 +21,9 @@ inline double cross(glm::dvec2 u, glm::dvec2 v) {
     return u.x * v.y - u.y * v.x;
 }
 
+// As long, turned by a quarter counter-clockwise.
+inline glm::dvec2 leftOf(glm::dvec2 d) {
+    return {-d.y, d.x};
+}
+
 } // namespace heliodon::geometry

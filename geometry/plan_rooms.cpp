@@ -61,8 +61,8 @@ constexpr int64_t kForever = int64_t{1} << 50;
 struct WallFace {
     uint32_t half, group; // of cells
     int piece;
-    Interval stretch; // of the piece
-    bool ahead;       // of a wall that ends before it
+    Stretch stretch; // of the piece
+    bool ahead;      // of a wall that ends before it
 };
 
 class RoomFinder {
@@ -190,7 +190,7 @@ private:
         return (std::remainder(angle - middle, 2 * kPi) + middle - piece.a0) * piece.radius;
     }
 
-    Interval stretch(uint32_t half, int piece) const {
+    Stretch stretch(uint32_t half, int piece) const {
         const WallPiece& wall = plan_.pieces[static_cast<size_t>(piece)];
         const double u = along(wall, map_.points[map_.source(half)]),
                      v = along(wall, map_.points[map_.target[half]]);

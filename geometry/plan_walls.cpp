@@ -24,9 +24,6 @@ const double kSameLineSine = std::sin(4 * kPi / 180); // and do not turn by more
 constexpr double kSameLineGap = 12;                   // inches along the side
 constexpr double kShortestWall = 0.1;                 // inches: shorter ones are slips of the detection
 
-glm::dvec2 leftOf(glm::dvec2 d) {
-    return {-d.y, d.x};
-}
 glm::dvec2 onCircle(double angle) {
     return {std::cos(angle), std::sin(angle)};
 }

@@ -24,8 +24,7 @@ constexpr double kLeastSeen = 0.45; // of both sides and the rims
 bool areBoardsSeen(const std::vector<SoupFace>& boards, const Building& building, double tolerance) {
     if (boards.empty()) return true;
     const std::vector<FlatFace> seen = flatFacesOf(building);
-    std::vector<Bounds> boxes;
-    for (const FlatFace& face : seen) boxes.push_back({face.box.low - tolerance, face.box.high + tolerance});
+    const std::vector<Bounds> boxes = boxesOf(seen, tolerance);
     const BoxTree tree(boxes);
     std::map<uint32_t, std::pair<double, double>> areas; // per sheet: seen, and all
     for (const FlatFace& side : flatFacesOf(unwelded(boards))) {

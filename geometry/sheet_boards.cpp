@@ -87,12 +87,6 @@ public:
     }
 
 private:
-    static std::vector<Bounds> boxesOf(const std::vector<FlatFace>& faces, double tolerance) {
-        std::vector<Bounds> out;
-        for (const FlatFace& f : faces) out.push_back({f.box.low - tolerance, f.box.high + tolerance});
-        return out;
-    }
-
     std::vector<FlatFace> faces_;
     std::vector<Bounds> boxes_;
     BoxTree tree_; // of these

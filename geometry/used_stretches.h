@@ -1,4 +1,4 @@
-// Which stretches of a wall bound a room.
+// Stretches of a wall, and which of them bound a room.
 #pragma once
 
 #include <algorithm>
@@ -7,38 +7,40 @@
 
 namespace heliodon::geometry {
 
-struct Interval {
-    double from, to;
+// Inches along a straight wall, or the middle of a curved one.
+struct Stretch {
+    double from = 0, to = 0;
+    double length() const { return to - from; }
 };
 
-// Disjoint intervals along the wall's centre line.
+// Disjoint stretches along the wall's centre line.
 class Used {
 public:
-    void add(Interval added) {
-        std::vector<Interval> kept;
-        for (const Interval& i : intervals_) {
+    void add(Stretch added) {
+        std::vector<Stretch> kept;
+        for (const Stretch& i : stretches_) {
             if (i.to < added.from || i.from > added.to)
                 kept.push_back(i);
             else
                 added = {std::min(i.from, added.from), std::max(i.to, added.to)};
         }
         kept.push_back(added);
-        intervals_ = std::move(kept);
+        stretches_ = std::move(kept);
     }
-    double unused(Interval asked) const {
-        double rest = asked.to - asked.from;
-        for (const Interval& i : intervals_)
+    double unused(Stretch asked) const {
+        double rest = asked.length();
+        for (const Stretch& i : stretches_)
             rest -= std::max(0.0, std::min(i.to, asked.to) - std::max(i.from, asked.from));
         return std::max(0.0, rest);
     }
     std::vector<std::pair<double, double>> stretches() const {
         std::vector<std::pair<double, double>> out;
-        for (const Interval& i : intervals_) out.emplace_back(i.from, i.to);
+        for (const Stretch& i : stretches_) out.emplace_back(i.from, i.to);
         return out;
     }
 
 private:
-    std::vector<Interval> intervals_;
+    std::vector<Stretch> stretches_;
 };
 
 } // namespace heliodon::geometry
