@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <glm/geometric.hpp>
 
+#include "geometry/bounds.h"
 #include "geometry/disjoint_sets.h"
 #include "geometry/input_error.h"
 #include "geometry/outline_area.h"
@@ -105,6 +106,12 @@ private:
 
 glm::dvec3 worldFromModel(glm::dvec3 p, UpAxis up) {
     return up == UpAxis::y ? p : glm::dvec3(p.x, p.z, -p.y);
+}
+
+double assumedWorldPerBuilding(std::span<const glm::dvec3> corners) {
+    constexpr double kLowestRoom = 1.0; // metres: nobody works in less
+    const Bounds box = boundsOf(corners);
+    return box.high.y - box.low.y < kLowestRoom ? 1.0 / 12 : 1.0;
 }
 
 PatchMesh readPatches(const std::filesystem::path& file, UpAxis up, const GivenMaterials& given) {

@@ -9,6 +9,11 @@
 
 namespace heliodon::geometry {
 
+constexpr double kLeastRoom = 0.1;                 // cubic metres of building
+inline double leastRoom(double worldPerBuilding) { // cubic world metres
+    return kLeastRoom * worldPerBuilding * worldPerBuilding * worldPerBuilding;
+}
+
 struct SmallRooms {
     size_t left = 0;      // out of the rooms
     uint32_t surface = 0; // of a face of one, its number in the file
