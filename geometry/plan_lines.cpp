@@ -7,7 +7,6 @@
 #include <set>
 #include <tuple>
 
-#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
@@ -22,7 +21,6 @@ constexpr double kLongestBridge = 18; // inches
 constexpr double kCornerGap = 1;      // inches: less is a corner that was left open
 constexpr double kWidestMouth = 8;    // inches: between a corner and the wall opposite
 constexpr double kOverlap = 0.02;     // inches: a line runs into what it ends on, so that they cross
-constexpr double kSamePoint = 1e-9;   // inches
 constexpr double kBesideLine = 1e-6;  // inches
 constexpr double kBeforeEnd = 0.01;   // inches: a ray starts within its wall, to meet the end face
 constexpr int kMostCrossed = 8;       // outlines on the way out of walls that meet in a corner
@@ -35,13 +33,6 @@ constexpr double kOffCircle = 0.5;   // inches, and
 constexpr double kOffRadius = 0.15;  // of the radius: by which arcs of one circle may miss one another
 constexpr double kWidestTurn = 0.75 * kPi; // between them
 constexpr double kParallel = 0.1;          // the sine of the angle between walls that meet in no corner
-
-// To the last bit, as the arrangement has it.
-bool rightOf(glm::dvec2 from, glm::dvec2 to, glm::dvec2 p) {
-    using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
-    return CGAL::orientation(Kernel::Point_2(from.x, from.y), Kernel::Point_2(to.x, to.y),
-                             Kernel::Point_2(p.x, p.y)) == CGAL::RIGHT_TURN;
-}
 
 class LineBuilder {
 public:
@@ -204,30 +195,9 @@ private:
         return {both, kShortCut * both / (halfTangent * (alongE + alongF))};
     }
 
-    // Where a line ends that meets a solid by `on` before `in`: there, or in the corner that it meets, where
-    // a side of the solid is in line with it and rounding has it run beside that, parting nothing.
-    glm::dvec2 endIn(glm::dvec2 in, glm::dvec2 on) const {
-        for (const PlanSolid& solid : plan_.solids)
-            for (size_t k = 0, n = solid.outline.size(); k < n; ++k) {
-                const glm::dvec2 corner = solid.outline[k];
-                if (glm::length(corner - (in - on)) > kSamePoint) continue;
-                const auto beside = [&](glm::dvec2 from, glm::dvec2 to) {
-                    const double off = cross(to - from, in - from) / glm::length(to - from);
-                    return glm::dot(from + to - 2.0 * corner, on) > 0 && std::abs(off) < kSamePoint &&
-                           rightOf(from, to, in);
-                };
-                if (beside(corner, solid.outline[(k + 1) % n]) ||
-                    beside(solid.outline[(k + n - 1) % n], corner))
-                    return corner;
-            }
-        return in;
-    }
-
     void ray(glm::dvec2 from, glm::dvec2 direction, int own, double weight, double growth = kGrowth) {
         const double t = std::min(firstHit(plan_.solids, from, direction, own) + kOverlap, kLongestBridge);
-        if (t > 0.025)
-            add(from, endIn(from + t * direction, kOverlap * direction),
-                {.weight = weight, .growth = growth, .start = from});
+        if (t > 0.025) add(from, from + t * direction, {.weight = weight, .growth = growth, .start = from});
     }
 
     void extend(const WallEnd& end) {
@@ -279,9 +249,7 @@ private:
                 });
                 if (air && to - from > kCornerGap) {
                     if (to - from < kWidestMouth)
-                        add(endIn(at(from - kOverlap), -kOverlap * end.out),
-                            endIn(at(to + kOverlap), kOverlap * end.out),
-                            {.growth = kGrowth, .start = at(from)});
+                        add(at(from - kOverlap), at(to + kOverlap), {.growth = kGrowth, .start = at(from)});
                     break;
                 }
                 from = to;

@@ -38,10 +38,15 @@ bool meet(glm::dvec2 a, glm::dvec2 b, glm::dvec2 c, glm::dvec2 d) {
     return turn(a, b, c) * turn(a, b, d) <= 0 && turn(c, d, a) * turn(c, d, b) <= 0;
 }
 
+// From the line between its neighbours.
+double offLine(glm::dvec2 before, glm::dvec2 at, glm::dvec2 after) {
+    return std::abs(cross(after - before, at - before)) / glm::length(after - before);
+}
+
 bool straightCorner(glm::dvec2 before, glm::dvec2 at, glm::dvec2 after) {
-    const glm::dvec2 in = at - before, out = after - at, whole = after - before;
+    const glm::dvec2 in = at - before, out = after - at;
     if (glm::dot(in, out) <= 0) return false;
-    return std::abs(cross(whole, in)) <= kOnLine * glm::length(whole) ||
+    return offLine(before, at, after) <= kOnLine ||
            std::abs(cross(in, out)) <= kStraightSine * glm::length(in) * glm::length(out);
 }
 
@@ -126,11 +131,19 @@ private:
         }
     }
 
+    // The straightest corner first: of two, one may be straight only as long as the other is there.
     bool mergeAlike() {
+        std::vector<std::pair<double, size_t>> straight;
         for (size_t i = 0; i < size(); ++i) {
             const size_t before = i + size() - 1;
             if (info(before).height != info(i).height || info(before).gap != info(i).gap) continue;
-            if (!straightCorner(point(before), point(i), point(i + 1)) || !fits(before, i + 1)) continue;
+            if (straightCorner(point(before), point(i), point(i + 1)))
+                straight.emplace_back(offLine(point(before), point(i), point(i + 1)), i);
+        }
+        std::ranges::sort(straight);
+        for (const auto& [off, i] : straight) {
+            const size_t before = i + size() - 1;
+            if (!fits(before, i + 1)) continue;
             if (glm::length(edge(i)) > glm::length(edge(before))) info(before) = info(i);
             erase(i);
             return true;
@@ -155,11 +168,12 @@ private:
     }
 
     // What may take the place of a short edge: where the edges on either side of it meet, if that is near;
-    // its middle; its ends.
+    // its middle; its ends, first that of the longer one of these edges.
     std::vector<glm::dvec2> replacements(size_t i) const {
         const glm::dvec2 before = edge(i + size() - 1), after = edge(i + 1),
                          middle = 0.5 * (point(i) + point(i + 1));
         std::vector<glm::dvec2> out{middle, point(i), point(i + 1)};
+        if (glm::length(after) > glm::length(before)) std::swap(out[1], out[2]);
         const double sine = cross(before, after);
         if (std::abs(sine) > 0.1 * glm::length(before) * glm::length(after)) {
             const glm::dvec2 corner = point(i) + before * (cross(point(i + 1) - point(i), after) / sine);

@@ -26,6 +26,7 @@
 #include "geometry/plan_arrangement.h"
 #include "geometry/plan_lines.h"
 #include "geometry/plan_regions.h"
+#include "geometry/plan_snapping.h"
 #include "geometry/used_stretches.h"
 
 namespace heliodon::geometry {
@@ -52,6 +53,7 @@ constexpr double kMostOpenRing = 0.6;
 constexpr size_t kFewestGaps = 3;
 constexpr double kStraight = 0.1;     // the sine of the angle between parts of a straight gap
 constexpr double kTie = 1e-6;         // inches and prices: nearer ones are the same but for rounding
+constexpr double kSamePoint = 1e-9;   // inches: what is nearer coincides but for rounding
 constexpr double kSpeck = 1e-3;       // inches: edges that only rounding has made
 constexpr double kJog = 0.5;          // inches: how far walls of one side may miss one another
 constexpr double kCapacityUnit = 1e6; // of a length of 1 in: exact integer flow
@@ -68,7 +70,7 @@ struct WallFace {
 class RoomFinder {
 public:
     explicit RoomFinder(const PlanWalls& plan) : plan_(plan), lines_(planLines(plan)) {
-        map_ = arrange(lines_.segments);
+        map_ = arrange(snapped(lines_.segments, kSamePoint));
         measureCells();
         findSolids();
         tieThinCells();

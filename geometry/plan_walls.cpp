@@ -85,11 +85,15 @@ std::vector<WallPiece> curvedPieces(const Sketch& sketch, bool green, PlanWalls&
     return pieces;
 }
 
-// Copies of an arc, or pieces of it that overlap, become one arc.
+// Copies of an arc, or pieces of it that overlap, become one arc. Longest first, as with straight sides;
+// facets of a ring lie as they do round the middle of its longest piece.
 void mergeArcs(std::vector<WallPiece>& arcs) {
-    for (size_t i = 0; i < arcs.size(); ++i)
+    std::ranges::stable_sort(arcs, std::greater(),
+                             [](const WallPiece& p) { return p.radius * (p.a1 - p.a0); });
+    for (size_t i = 0; i < arcs.size(); ++i) {
+        WallPiece& p = arcs[i];
+        const double middle = (p.a0 + p.a1) / 2;
         for (size_t j = i + 1; j < arcs.size(); ++j) {
-            WallPiece& p = arcs[i];
             const WallPiece& q = arcs[j];
             if (glm::length(p.center - q.center) > kSameLineOffset ||
                 std::abs(p.radius - q.radius) > kSameLineOffset || p.height != q.height)
@@ -101,13 +105,19 @@ void mergeArcs(std::vector<WallPiece>& arcs) {
             p.center += share * (q.center - p.center);
             p.radius += share * (q.radius - p.radius);
             p.a0 = std::min(p.a0, b0);
-            p.a1 = std::min(std::max(p.a1, b1), p.a0 + 2 * kPi);
+            p.a1 = std::max(p.a1, b1);
+            if (p.a1 - p.a0 >= 2 * kPi) {
+                p.a0 = middle - kPi;
+                p.a1 = middle + kPi;
+            }
             p.a = p.center + p.radius * onCircle(p.a0);
             p.b = p.center + p.radius * onCircle(p.a1);
             p.ids.insert(p.ids.end(), q.ids.begin(), q.ids.end());
             arcs.erase(arcs.begin() + static_cast<std::ptrdiff_t>(j));
             j = i;
         }
+    }
+    std::ranges::sort(arcs, {}, order);
 }
 
 class LineFinder {

@@ -5,6 +5,7 @@
 #include <fstream>
 #include <numbers>
 #include <tuple>
+#include <utility>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -32,20 +33,33 @@ Sketch turned(Sketch sketch, double degrees, bool mirrored) {
     // Quarter turns move no corner by a rounding error.
     const double c = std::fmod(degrees, 90) == 0 ? std::round(std::cos(angle)) : std::cos(angle),
                  s = std::fmod(degrees, 90) == 0 ? std::round(std::sin(angle)) : std::sin(angle);
-    for (Wall& wall : sketch.walls)
-        for (glm::dvec2* p : {&wall.a, &wall.b}) {
-            const double x = mirrored ? -p->x : p->x;
-            *p = {c * x - s * p->y, s * x + c * p->y};
-        }
+    const auto turn = [&](glm::dvec2& p) {
+        const double x = mirrored ? -p.x : p.x;
+        p = {c * x - s * p.y, s * x + c * p.y};
+    };
+    for (Wall& wall : sketch.walls) {
+        turn(wall.a);
+        turn(wall.b);
+    }
+    for (Arc& arc : sketch.arcs) {
+        turn(arc.center);
+        if (mirrored) std::tie(arc.a0Deg, arc.a1Deg) = std::pair(180 - arc.a1Deg, 180 - arc.a0Deg);
+        arc.a0Deg += degrees;
+        arc.a1Deg += degrees;
+    }
+    for (Skylight& skylight : sketch.skylights) {
+        turn(skylight.center);
+        skylight.angleDeg = degrees + (mirrored ? -skylight.angleDeg : skylight.angleDeg);
+    }
     return sketch;
 }
 
-std::vector<std::tuple<double, double, int>> roomsOf(const Sketch& sketch) {
-    std::vector<std::tuple<double, double, int>> rooms;
-    for (const RoomReport& room : closeSketch(sketch).report.rooms)
-        rooms.emplace_back(room.floorAreaFt2, room.ceilingFt, room.euler);
-    std::ranges::sort(rooms);
-    return rooms;
+ClosureReport reportOf(const Sketch& sketch) {
+    ClosureReport report = closeSketch(sketch).report;
+    std::ranges::sort(report.rooms, {}, [](const RoomReport& room) {
+        return std::tuple(room.floorAreaFt2, room.ceilingFt, room.euler);
+    });
+    return report;
 }
 
 } // namespace
@@ -54,18 +68,20 @@ class TurnedSketch : public testing::TestWithParam<size_t> {};
 
 TEST_P(TurnedSketch, is_the_same_building) {
     const Sketch sketch = sketchOf(sketches()[GetParam()]);
-    ASSERT_TRUE(sketch.arcs.empty());
-    const auto drawn = roomsOf(sketch);
-    ASSERT_FALSE(drawn.empty());
+    const ClosureReport drawn = reportOf(sketch);
+    ASSERT_FALSE(drawn.rooms.empty());
     for (const bool mirrored : {false, true})
-        for (const double degrees : {0.0, 90.0, 180.0, 270.0, 211.0}) {
+        for (const double degrees : {0.0, 17.0, 33.0, 90.0, 137.0, 180.0, 211.0, 270.0}) {
             SCOPED_TRACE(testing::Message() << degrees << " degrees, mirrored " << mirrored);
-            const auto again = roomsOf(turned(sketch, degrees, mirrored));
-            ASSERT_EQ(again.size(), drawn.size());
-            for (size_t r = 0; r < drawn.size(); ++r) {
-                EXPECT_NEAR(std::get<0>(again[r]), std::get<0>(drawn[r]), 1e-9 * std::get<0>(drawn[r]));
-                EXPECT_EQ(std::get<1>(again[r]), std::get<1>(drawn[r]));
-                EXPECT_EQ(std::get<2>(again[r]), std::get<2>(drawn[r]));
+            const ClosureReport again = reportOf(turned(sketch, degrees, mirrored));
+            EXPECT_EQ(again.windowCount, drawn.windowCount);
+            EXPECT_EQ(again.skylightPaneCount, drawn.skylightPaneCount);
+            ASSERT_EQ(again.rooms.size(), drawn.rooms.size());
+            for (size_t r = 0; r < drawn.rooms.size(); ++r) {
+                const RoomReport &room = again.rooms[r], &meant = drawn.rooms[r];
+                EXPECT_NEAR(room.floorAreaFt2, meant.floorAreaFt2, 1e-9 * meant.floorAreaFt2);
+                EXPECT_EQ(room.ceilingFt, meant.ceilingFt);
+                EXPECT_EQ(room.euler, meant.euler);
             }
         }
 }
