@@ -428,7 +428,6 @@ private:
 
     OutlineLoop traceLoop(const std::vector<uint32_t>& halves, RoomPlan& room) const {
         OutlineLoop loop;
-        double gap = 0;
         for (const uint32_t h : halves) {
             OutlineEdge edge;
             edge.gap = !solid_[map_.cell[h ^ 1u]];
@@ -436,7 +435,13 @@ private:
             if (edge.piece >= 0) edge.height = plan_.pieces[static_cast<size_t>(edge.piece)].height;
             loop.points.push_back(map_.points[map_.source(h)]);
             loop.edges.push_back(edge);
-            gap = edge.gap ? gap + edgeLength(h) : 0;
+        }
+        // From where none lies over the loop's first corner.
+        const auto wall = std::ranges::find(loop.edges, false, &OutlineEdge::gap);
+        double gap = 0;
+        for (size_t k = 0, n = halves.size(); k < n; ++k) {
+            const size_t i = (static_cast<size_t>(wall - loop.edges.begin()) + k) % n;
+            gap = loop.edges[i].gap ? gap + edgeLength(halves[i]) : 0;
             room.widestGap = std::max(room.widestGap, gap);
         }
         return loop;

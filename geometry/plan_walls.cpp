@@ -23,6 +23,7 @@ constexpr double kSameLineOffset = 0.25;              // inches: nearer pieces l
 const double kSameLineSine = std::sin(4 * kPi / 180); // and do not turn by more than this
 constexpr double kSameLineGap = 12;                   // inches along the side
 constexpr double kShortestWall = 0.1;                 // inches: shorter ones are slips of the detection
+constexpr double kMeet = 1e-9; // radians: arcs that end where others begin, but for rounding
 
 glm::dvec2 onCircle(double angle) {
     return {std::cos(angle), std::sin(angle)};
@@ -100,7 +101,7 @@ void mergeArcs(std::vector<WallPiece>& arcs) {
                 continue;
             const double shift = 2 * kPi * std::round((p.a0 + p.a1 - q.a0 - q.a1) / (4 * kPi));
             const double b0 = q.a0 + shift, b1 = q.a1 + shift;
-            if (b0 > p.a1 || b1 < p.a0) continue;
+            if (b0 > p.a1 + kMeet || b1 < p.a0 - kMeet) continue;
             const double share = (b1 - b0) / (p.a1 - p.a0 + b1 - b0); // the longer one knows the circle best
             p.center += share * (q.center - p.center);
             p.radius += share * (q.radius - p.radius);
