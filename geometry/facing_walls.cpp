@@ -13,7 +13,8 @@ namespace heliodon::geometry {
 
 namespace {
 
-constexpr double kSameWall = 0.1; // inches: what is nearer to a wall's middle does not stand before it
+constexpr double kTouching = 1e-6; // inches: nothing stands in a narrower gap
+constexpr double kSameWall = 0.1;  // inches: what is nearer to a wall's middle does not stand before it
 
 // Those that are no farther apart than `gap` as one.
 std::vector<Stretch> merged(std::vector<Stretch> all, double gap) {
@@ -90,7 +91,8 @@ std::vector<FacingWall> wallsBefore(const PlanWalls& plan, const std::vector<Wal
             const glm::dvec2 before = line.at(middle) + (face + gap / 2) * out;
             bool filled = false, another = false; // what stands between the two
             for (const PlanSolid& solid : plan.solids)
-                if (gap > 0 && contains(solid.outline, before)) (solid.piece < 0 ? filled : another) = true;
+                if (gap > kTouching && contains(solid.outline, before))
+                    (solid.piece < 0 ? filled : another) = true;
             if (offset < kSameWall || another || gap > kNarrowSlot || (gap > kNarrowestNiche && !filled))
                 continue;
             FacingWall found = pieceAlong(plan, id, {t - half, t + half});
@@ -99,6 +101,34 @@ std::vector<FacingWall> wallsBefore(const PlanWalls& plan, const std::vector<Wal
         }
     }
     return walls;
+}
+
+bool isOuterLayer(const PlanWalls& plan, const std::vector<WallRun>& runs, const WallRun& run,
+                  const FacingWall& wall) {
+    const WallLine &line = plan.lines[static_cast<size_t>(run.line)],
+                   &layer = plan.lines[static_cast<size_t>(wall.line)];
+    const Stretch on = alongOther(line, wall.on, layer);
+    if (isSeen(plan, runs, wall.line, on)) return false;
+    WallRun outside;
+    outside.line = wall.line;
+    outside.leftFace = run.leftFace == (glm::dot(line.direction, layer.direction) > 0);
+    return std::ranges::all_of(wallsBefore(plan, runs, outside, on), [&](const FacingWall& next) {
+        return isOuterLayer(plan, runs, outside, next);
+    });
+}
+
+bool isSeen(const PlanWalls& plan, const std::vector<WallRun>& runs, int line, Stretch on) {
+    return std::ranges::any_of(runs, [&](const WallRun& run) {
+        if (run.line != line) return false;
+        const WallLine& side = plan.lines[static_cast<size_t>(line)];
+        const auto [low, high] = std::minmax({side.along(run.from), side.along(run.to)});
+        return low < on.to - kIntoCorner && high > on.from + kIntoCorner;
+    });
+}
+
+Stretch alongOther(const WallLine& line, Stretch on, const WallLine& other) {
+    const auto [from, to] = std::minmax({other.along(line.at(on.from)), other.along(line.at(on.to))});
+    return {from, to};
 }
 
 } // namespace heliodon::geometry

@@ -28,4 +28,15 @@ struct FacingWall {
 std::vector<FacingWall> wallsBefore(const PlanWalls& plan, const std::vector<WallRun>& runs,
                                     const WallRun& run, Stretch on);
 
+// A wall that no room sees along `wall.on`, with nothing else right before it, is an outer layer of the
+// run's: both are one wall, and what is cut into one of them is cut through both.
+bool isOuterLayer(const PlanWalls& plan, const std::vector<WallRun>& runs, const WallRun& run,
+                  const FacingWall& wall);
+
+// Whether a room has the side, one or the other face of it, along the stretch.
+bool isSeen(const PlanWalls& plan, const std::vector<WallRun>& runs, int line, Stretch on);
+
+// Where a stretch of one straight side lies along another one, which runs beside it.
+Stretch alongOther(const WallLine& line, Stretch on, const WallLine& other);
+
 } // namespace heliodon::geometry

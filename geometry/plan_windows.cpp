@@ -34,8 +34,13 @@ struct SideWindow {
     Stretch on{};
     std::string id;
     Blind blind;
-    std::string wall; // of the marker that reaches farthest
+    std::string wall;        // of the marker that reaches farthest
+    bool outerLayer = false; // the marker is on another wall, before that of the room
 };
+
+auto order(const SideWindow& w) {
+    return std::tuple(w.line, w.kind, w.on.from, w.on.to, w.id);
+}
 
 const WallPiece* pieceOf(const std::vector<WallPiece>& pieces, const std::string& wall) {
     for (const WallPiece& piece : pieces)
@@ -51,6 +56,7 @@ public:
 
     PlanWindows place() {
         for (const WindowMarker& marker : sketch_.windows) readMarker(marker);
+        pairLayers();
         merge();
         for (const SideWindow& window : windows_) cutThrough(window);
         lookAtWallsBefore();
@@ -82,11 +88,62 @@ private:
         if (onItsWall(window, marker.wall) < kNarrowest)
             return note("WINDOW_OFF_WALL", marker,
                         "does not lie on its wall " + marker.wall + " and is ignored");
+        if (!isSeen(plan_, runs_, window.line, window.on)) moveToRoom(window);
         if (const double beyond = beyondWall(window); beyond > std::max(kByEye, kMostCut * marker.width))
             note("WINDOW_BEYOND_WALL", marker,
                  fmt::format("reaches {:.1f} ft beyond its wall {} and is cut to it", beyond, marker.wall));
         windows_.push_back(window);
     }
+
+    // On the outer layer of a room's wall it is a window of that wall.
+    void moveToRoom(SideWindow& window) const {
+        const WallLine& line = plan_.lines[static_cast<size_t>(window.line)];
+        for (const WallRun& run : runs_) {
+            if (run.line < 0) continue;
+            const Stretch on = alongOther(line, window.on, plan_.lines[static_cast<size_t>(run.line)]);
+            for (const FacingWall& wall : wallsBefore(plan_, runs_, run, on)) {
+                if (wall.line != window.line || !isLayerOver(on, run, wall)) continue;
+                window.line = run.line;
+                window.on = on;
+                window.outerLayer = true;
+                return;
+            }
+        }
+    }
+
+    // Over all of it but what may be lost by eye: a wall that ends before a window may stand there for
+    // itself.
+    bool isLayerOver(Stretch on, const WallRun& run, const FacingWall& wall) const {
+        return wall.on.length() >= (1 - kMostCut) * on.length() && isOuterLayer(plan_, runs_, run, wall);
+    }
+
+    // Markers on both layers of a wall that face one another are one window where both are.
+    void pairLayers() {
+        std::ranges::sort(windows_, {}, order);
+        for (size_t i = 0; i < windows_.size();) {
+            const SideWindow outer = windows_[i];
+            const auto inner = std::ranges::find_if(windows_, [&](const SideWindow& w) {
+                return outer.outerLayer && !w.outerLayer && w.line == outer.line && w.kind == outer.kind &&
+                       common(w.on, outer.on).length() >= kNarrowest;
+            });
+            if (inner == windows_.end()) {
+                ++i;
+                continue;
+            }
+            const Stretch both = common(inner->on, outer.on);
+            const double longest = std::max(inner->on.length(), outer.on.length());
+            if (longest - both.length() > std::max(kByEye, kMostCut * longest))
+                out_.notes.push_back({"WINDOW_BEFORE_WALL",
+                                      fmt::format("windows {} and {} are on two layers of one wall and face "
+                                                  "one another in part: the rest is walled up",
+                                                  inner->id, outer.id)});
+            inner->on = both;
+            inner->id += "+" + outer.id;
+            windows_.erase(windows_.begin() + static_cast<std::ptrdiff_t>(i));
+        }
+    }
+
+    static Stretch common(Stretch a, Stretch b) { return {std::max(a.from, b.from), std::min(a.to, b.to)}; }
 
     double onItsWall(const SideWindow& window, const std::string& wall) const {
         const WallLine& line = plan_.lines[static_cast<size_t>(window.line)];
@@ -117,9 +174,6 @@ private:
     }
 
     void merge() {
-        const auto order = [](const SideWindow& w) {
-            return std::tuple(w.line, w.kind, w.on.from, w.on.to, w.id);
-        };
         std::ranges::sort(windows_, {}, order);
         for (size_t i = 0; i + 1 < windows_.size();) {
             SideWindow &w = windows_[i], &next = windows_[i + 1];
@@ -278,7 +332,9 @@ private:
             const Seen& side = openings_[i].sides[0];
             if (openings_[i].sides.size() == 1)
                 before[i] = wallsBefore(plan_, runs_, runs_[side.run], side.on);
-            std::erase_if(before[i], [](const FacingWall& wall) { return wall.on.length() < kNarrowest; });
+            std::erase_if(before[i], [&](const FacingWall& wall) {
+                return wall.on.length() < kNarrowest || isLayerOver(side.on, runs_[side.run], wall);
+            });
             std::ranges::stable_sort(before[i], std::greater(), &FacingWall::height);
             for (size_t j = 0; j < i; ++j)
                 if (const auto both = joined(openings_[j], before[j], openings_[i], before[i])) {

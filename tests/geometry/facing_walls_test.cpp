@@ -1,4 +1,5 @@
-// Houses side by side: windows in walls that touch, overlap or leave a crack between them see no sky.
+// Houses side by side: windows in walls that touch, overlap or leave a crack between them see no sky. Walls
+// laid in two layers are one wall: what is in one of them goes through both.
 #include <cmath>
 #include <numbers>
 
@@ -138,4 +139,69 @@ TEST(FacingWalls, what_reaches_beyond_the_wall_before_it_looks_outside) {
     low.windows[0].kind = WindowKind::transom; // over the roof
     EXPECT_EQ(closeSketch(low).report.outcome, Outcome::ok);
     expectGlass(low, 1, {3, 0});
+}
+
+namespace {
+
+// A second layer before the left wall w4 of the left house, so much air between.
+Sketch doubledWall(double gap) {
+    Sketch s = twoHouses(1.2);
+    s.walls.push_back(wall("w9", {-9.375 - gap, -6.2}, {-9.375 - gap, 6.2}));
+    return s;
+}
+
+void expectLeftGlass(const Sketch& sketch, const std::string& code, int windows, double area) {
+    EXPECT_EQ(closeSketch(sketch).report.code, code) << closeSketch(sketch).report.message;
+    expectGlass(sketch, windows, {area, 0});
+}
+
+} // namespace
+
+TEST(DoubledWall, a_window_in_one_layer_or_both_goes_through_both) {
+    for (const double gap : {-0.075, 0.0, 0.125, 0.4, 0.9}) {
+        SCOPED_TRACE(gap);
+        Sketch s = doubledWall(gap);
+        for (int k = 0; k < 3; ++k, turn(s, 37)) {
+            s.windows = {window("n1", "w4", 6, 3)};
+            expectLeftGlass(s, "OK", 1, 12);
+            s.windows = {window("n2", "w9", 6.2, 3)};
+            expectLeftGlass(s, "OK", 1, 12);
+            s.windows = {window("n1", "w4", 6, 3), window("n2", "w9", 6.2, 3)};
+            expectLeftGlass(s, "OK", 1, 12);
+            heliodon::test::expectSameInAnyOrder(s);
+        }
+        s.windows[1].pos = 6.3; // by eye
+        expectLeftGlass(s, "OK", 1, 11.6);
+        s.windows[1].pos = 7.7; // half of each
+        expectLeftGlass(s, "WINDOW_BEFORE_WALL", 1, 6);
+        s.windows[1].pos = 10.2; // another one
+        expectLeftGlass(s, "OK", 2, 24);
+        s = doubledWall(gap);
+        s.walls.push_back(wall("w10", {-9.75 - 2 * gap, -6.2}, {-9.75 - 2 * gap, 6.2})); // a third layer
+        s.windows = {window("n1", "w4", 6, 3)};
+        expectLeftGlass(s, "OK", 1, 12);
+    }
+    Sketch pieces = doubledWall(0);
+    pieces.walls.back().b.y = -0.3;
+    pieces.walls.push_back(wall("w10", {-9.375, 0.3}, {-9.375, 6.2}));
+    pieces.windows = {window("n1", "w4", 6, 3)};
+    expectLeftGlass(pieces, "OK", 1, 12);
+}
+
+TEST(DoubledWall, what_is_no_layer_is_told) {
+    Sketch s = doubledWall(0);
+    s.windows = {window("n1", "w4", 6, 3)};
+    s.walls.back().b.y = 0; // ends before the window's middle
+    expectLeftGlass(s, "WINDOW_BEFORE_WALL", 1, 6);
+    s = doubledWall(1.2); // air
+    s.windows = {window("n2", "w9", 6.2, 3)};
+    expectLeftGlass(s, "WINDOW_OUTSIDE", 0, 0);
+    Sketch slab = twoHouses(0.375); // between the houses
+    slab.walls.push_back(wall("w9", {0, -6.2}, {0, 6.2}));
+    for (const char* on : {"w2", "w8"}) {
+        slab.windows = {window("n1", on, 6, 3)};
+        expectLeftGlass(slab, "WINDOW_BEFORE_WALL", 0, 0);
+    }
+    slab.windows = {window("n1", "w9", 6.2, 3)};
+    expectLeftGlass(slab, "WINDOW_OUTSIDE", 0, 0);
 }
