@@ -5,7 +5,6 @@
 #include <limits>
 #include <numbers>
 #include <set>
-#include <tuple>
 
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
@@ -257,7 +256,8 @@ private:
         }
     }
 
-    // Round the rest of the circle until something solid is met. Both ends walk over the same points.
+    // Round the rest of the circle until something solid is met. Both ends walk over the same points: a step
+    // costs what it does from the nearer one.
     void continueArc(const WallEnd& end) {
         const WallPiece& p = piece(end);
         const double rest = 2 * kPi - (p.a1 - p.a0);
@@ -278,9 +278,8 @@ private:
                 const double hit = i + 1 < count ? firstHit(plan_.solids, a, (b - a) / step, -2) : step;
                 length += step;
                 const bool stops = hit < step && hit > 1e-6;
-                if (arcSteps_.insert({end.piece, radius, k}).second || stops)
-                    add(a, stops ? a + (hit + kOverlap) / step * (b - a) : b,
-                        {.weight = 1 + length / 16, .start = end.middle});
+                add(a, stops ? a + (hit + kOverlap) / step * (b - a) : b,
+                    {.weight = 1 + length / 16, .start = end.middle});
                 if (stops) break;
             }
         }
@@ -322,7 +321,6 @@ private:
     PlanLines out_;
     std::vector<WallEnd> freeEnds_, joinedEnds_;
     std::set<std::pair<int, bool>> alongSide_, alongCircle_;
-    std::set<std::tuple<int, double, int>> arcSteps_;
 };
 
 } // namespace
