@@ -156,7 +156,7 @@ private:
 
     void bridgeAlongCircle(const WallEnd& e, const WallEnd& f, double turn) {
         const glm::dvec2 center = 0.5 * (piece(e).center + piece(f).center);
-        const double count = facetsOver(piece(e), turn);
+        const double count = std::max(facetsOver(piece(e), turn), facetsOver(piece(f), turn));
         const auto inner = wayRound(center, e.left, f.right, turn, count),
                    outer = wayRound(center, e.right, f.left, turn, count);
         if (!isFree(inner, e.piece)) return;

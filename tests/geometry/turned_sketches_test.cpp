@@ -102,6 +102,16 @@ TEST(TurnedRing, arcs_that_end_where_others_begin_are_one) {
         EXPECT_EQ(facetsOfArcs(turned(sketch, degrees, false)).size(), 1u) << degrees;
 }
 
+TEST(TurnedRing, gaps_between_arcs_have_as_many_facets_mirrored) {
+    Sketch sketch;
+    sketch.arcs = {{.id = "a", .radius = 9, .a0Deg = 5, .a1Deg = 234},
+                   {.id = "b", .radius = 9, .a0Deg = 285, .a1Deg = 305}};
+    const ClosureReport drawn = reportOf(sketch), mirrored = reportOf(turned(sketch, 0, true));
+    ASSERT_EQ(drawn.rooms.size(), 1u) << drawn.message;
+    ASSERT_EQ(mirrored.rooms.size(), 1u);
+    EXPECT_NEAR(mirrored.rooms[0].floorAreaFt2, drawn.rooms[0].floorAreaFt2, 1e-6);
+}
+
 INSTANTIATE_TEST_SUITE_P(All, TurnedSketch, testing::Range<size_t>(0, sketches().size()),
                          [](const auto& parameter) {
                              return sketches()[parameter.param]["id"].template get<std::string>();
