@@ -18,6 +18,7 @@ constexpr double kTurn = 2 * std::numbers::pi;
 constexpr double kSameAngle = 1e-7; // radians
 constexpr double kOffCircle = 0.1;  // inches: an outline farther from the face's circle is not of the face
 constexpr double kStraight = 1e-4;  // inches
+constexpr double kMostInAir = 1;    // inches of a wall that outlines were drawn without
 
 // One long face of a curved wall as a line of corners: as rooms see it where they do, else as it was planned.
 class CurvedFace {
@@ -110,6 +111,45 @@ private:
     std::vector<std::pair<double, double>> seen_; // edges of rooms, by angle
 };
 
+// Inches from the end of a line along a wall to where a room's outline crosses it, if the end stands in the
+// room's air: outlines end at corners that a wall runs on past by little.
+double inAir(glm::dvec2 end, glm::dvec2 other, const std::vector<RoomPlan>& rooms) {
+    const glm::dvec2 back = glm::normalize(other - end);
+    double least = kMostInAir;
+    for (const RoomPlan& room : rooms) {
+        if (!contains(room, end + kStraight * back)) continue;
+        for (const OutlineLoop& loop : room.loops)
+            for (size_t i = 0, n = loop.points.size(); i < n; ++i) {
+                const glm::dvec2 a = loop.points[i] - end, b = loop.points[(i + 1) % n] - end;
+                const double sideA = cross(back, a), sideB = cross(back, b);
+                if ((sideA < 0) == (sideB < 0)) continue;
+                const double at = glm::dot(back, glm::mix(a, b, sideA / (sideA - sideB)));
+                if (at > 0) least = std::min(least, at);
+            }
+    }
+    return least < kMostInAir ? least : 0;
+}
+
+// The corners of a straight wall, in footprint()'s order, as far as its rooms' outlines have it. What of its
+// ends stands in the air is told on two lines within it, as its sides lie on outlines.
+std::array<glm::dvec2, 4> seenFootprint(const WallPiece& piece, const std::vector<RoomPlan>& rooms) {
+    constexpr double kWithin = 0.9; // of half the thickness
+    const glm::dvec2 d = glm::normalize(piece.b - piece.a), n = piece.thickness / 2 * leftOf(d);
+    const auto cut = [&](glm::dvec2 end, glm::dvec2 other, double side) {
+        const double own = inAir(end + kWithin * side * n, other + kWithin * side * n, rooms);
+        const double opposite = inAir(end - kWithin * side * n, other - kWithin * side * n, rooms);
+        return std::max(0.0, (own + opposite) / 2 + (own - opposite) / 2 / kWithin);
+    };
+    std::array<glm::dvec2, 4> out{};
+    for (const double side : {-1.0, 1.0}) {
+        const double atA = cut(piece.a, piece.b, side), atB = cut(piece.b, piece.a, side);
+        const bool all = atA + atB >= glm::length(piece.b - piece.a);
+        out[side < 0 ? 0 : 3] = piece.a + side * n + (all ? 0 : atA) * d;
+        out[side < 0 ? 1 : 2] = piece.b + side * n - (all ? 0 : atB) * d;
+    }
+    return out;
+}
+
 class SolidBuilder {
 public:
     void add(const WallPiece& piece) {
@@ -147,6 +187,19 @@ public:
                 piece.height);
     }
 
+    void addPrism(const std::array<glm::dvec2, 4>& base, double height) {
+        const auto first = static_cast<uint32_t>(out_.vertices.size());
+        for (const double y : {0.0, height})
+            for (const glm::dvec2 p : base)
+                out_.vertices.push_back(kMetresPerInch * glm::dvec3(p.x, y, -p.y));
+        for (uint32_t k = 0; k < 4; ++k) {
+            const uint32_t next = (k + 1) % 4;
+            quad(first + k, first + next, first + 4 + next, first + 4 + k);
+        }
+        quad(first + 4, first + 5, first + 6, first + 7);
+        quad(first, first + 3, first + 2, first + 1);
+    }
+
     Occluders take() { return std::move(out_); }
 
 private:
@@ -159,19 +212,6 @@ private:
             std::ranges::unique(angles, [](double a, double b) { return b - a < kSameAngle; });
         angles.erase(repeated.begin(), repeated.end());
         return angles;
-    }
-
-    void addPrism(const std::array<glm::dvec2, 4>& base, double height) {
-        const auto first = static_cast<uint32_t>(out_.vertices.size());
-        for (const double y : {0.0, height})
-            for (const glm::dvec2 p : base)
-                out_.vertices.push_back(kMetresPerInch * glm::dvec3(p.x, y, -p.y));
-        for (uint32_t k = 0; k < 4; ++k) {
-            const uint32_t next = (k + 1) % 4;
-            quad(first + k, first + next, first + 4 + next, first + 4 + k);
-        }
-        quad(first + 4, first + 5, first + 6, first + 7);
-        quad(first, first + 3, first + 2, first + 1);
     }
 
     void quad(uint32_t a, uint32_t b, uint32_t c, uint32_t d) {
@@ -189,7 +229,7 @@ Occluders occluderSolids(const PlanWalls& plan, const std::vector<RoomPlan>& roo
         if (plan.pieces[i].curved)
             builder.addSeen(plan.pieces[i], static_cast<int>(i), rooms);
         else
-            builder.add(plan.pieces[i]);
+            builder.addPrism(seenFootprint(plan.pieces[i], rooms), plan.pieces[i].height);
     for (const WallPiece& piece : plan.partitions)
         if (piece.corners[0].empty())
             builder.add(piece);

@@ -2,6 +2,7 @@
 // air share, nothing that comes so near to something else that a triangle between them would have no area.
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <map>
 #include <optional>
@@ -18,6 +19,11 @@ namespace heliodon::geometry {
 namespace {
 
 constexpr double kShortEdge = 0.12;  // inches: shorter steps are noise
+constexpr double kOvershoot = 0.4;   // inches: a wall that runs on past another one by less was to end there,
+constexpr double kOfWall = 1.5;      // where this much of it and more is drawn
+constexpr double kCorner = 0.6;      // inches from a corner: what the ends of the walls that meet there leave
+constexpr double kSlant = 0.1;       // the sine of the angle between walls that are one side, or that meet
+constexpr double kSquare = 0.2;      // the cosine of the angle between a wall and its end
 constexpr double kNarrowCrack = 0.5; // inches
 constexpr double kInLine = 1e-3;     // the sine of the angle between a straight wall and what goes on with it
 constexpr double kRound = 0.4;       // the same of a curved one, whose facets turn
@@ -64,7 +70,7 @@ public:
         // them and the wall has gone.
         for (int round = 0; round < 2; ++round) {
             hideCracks();
-            while (size() > 3 && (mergeAlike() || dropShort(kShortEdge) || dropSpike())) {
+            while (size() > 3 && (mergeAlike() || dropOvershoot() || dropShort(kShortEdge) || dropSpike())) {
             }
         }
     }
@@ -149,6 +155,85 @@ private:
             return true;
         }
         return false;
+    }
+
+    // Whether edge i is of the end of a wall, and not of its length.
+    bool isEndOfWall(size_t i) {
+        if (info(i).piece < 0 || onArc(info(i))) return false;
+        const WallPiece& piece = plan_.pieces[static_cast<size_t>(info(i).piece)];
+        const glm::dvec2 wall = piece.b - piece.a;
+        return std::abs(glm::dot(wall, edge(i))) < kSquare * glm::length(wall) * glm::length(edge(i));
+    }
+
+    // A wall that runs on past another one by little, or whose square end does at a slant, ends where the
+    // faces of the two meet.
+    bool dropOvershoot() {
+        for (size_t i = 0; i < size(); ++i)
+            if (isEndOfWall(i) ? endAtFace(i) || endAtCorner(i)
+                               : info(i).piece < 0 && !info(i).gap && endAtCorner(i))
+                return true;
+        return false;
+    }
+
+    // Edge i stands before a face that runs on behind it.
+    bool endAtFace(size_t i) {
+        const size_t first = i + size() - 1, last = i + 2;
+        if (size() < 6 || cross(edge(first), edge(i)) >= 0 || cross(edge(i), edge(i + 1)) >= 0) return false;
+        const WallPiece& wall = plan_.pieces[static_cast<size_t>(info(i).piece)];
+        if (glm::length(wall.b - wall.a) < kOfWall) return false;
+        const glm::dvec2 face = point(last) - point(first);
+        for (const size_t k : {first, i + 1})
+            if (info(k).piece != info(i).piece || glm::length(edge(k)) > kOvershoot) return false;
+        for (const size_t k : {first + size() - 1, last})
+            if (glm::dot(edge(k), face) <= 0 ||
+                std::abs(cross(edge(k), face)) > kSlant * glm::length(edge(k)) * glm::length(face))
+                return false;
+        if (!fits(first, last)) return false;
+        info(first) = info(first + size() - 1);
+        erase(i, 2);
+        return true;
+    }
+
+    // Edge i lies among short ones between the faces of two walls: these go on to where they meet.
+    bool endAtCorner(size_t i) {
+        for (size_t count = 2; count < 10 && count + 2 < size(); ++count) // of corners that go
+            for (size_t first = i + size() + 2 - count; first <= i + size(); ++first)
+                if (meetAt(first, count)) return true;
+        return false;
+    }
+
+    bool meetAt(size_t first, size_t count) {
+        const size_t before = first + size() - 1, last = first + count - 1;
+        const int a = info(before).piece, b = info(last).piece;
+        if (a < 0 || b < 0 || onArc(info(before)) || onArc(info(last)) || isEndOfWall(before) ||
+            isEndOfWall(last))
+            return false;
+        const glm::dvec2 in = edge(before), out = edge(last);
+        if (std::min(glm::length(in), glm::length(out)) < kOvershoot) return false;
+        const double sine = cross(in, out);
+        if (sine > -kSlant * glm::length(in) * glm::length(out)) return false;
+        const glm::dvec2 corner = point(first) + in * (cross(point(last) - point(first), out) / sine);
+        for (size_t k = first; k <= last; ++k) {
+            const int own = info(k).piece;
+            if (glm::length(point(k) - corner) > kCorner ||
+                (k < last && own >= 0 && ((own != a && own != b) || glm::length(edge(k)) > kOvershoot)))
+                return false;
+        }
+        if (glm::dot(corner - point(before), in) <= 0 || glm::dot(point(last + 1) - corner, out) <= 0 ||
+            !fits(before, last + 1, corner))
+            return false;
+        loop_.points[last % size()] = corner;
+        erase(first, count - 1);
+        return true;
+    }
+
+    // Drops corners and the edges that begin there.
+    void erase(size_t first, size_t count) {
+        const size_t n = size();
+        std::vector<size_t> gone;
+        for (size_t k = first; k < first + count; ++k) gone.push_back(k % n);
+        std::ranges::sort(gone, std::greater{});
+        for (const size_t k : gone) erase(k);
     }
 
     bool dropShort(double shortest) {
