@@ -123,11 +123,16 @@ private:
         std::map<uint32_t, std::vector<uint32_t>> shells; // parts of each
         for (const auto& [id, part] : space_.parts) shells[part.shell].push_back(id);
         std::map<uint32_t, std::vector<uint32_t>> around; // per shell: bounded parts of others that hold it
-        for (const auto& [shell, own] : shells)
+        for (const auto& [shell, own] : shells) {
+            // A part between faces that lie on one another may have none.
+            const auto drawn =
+                std::ranges::find_if(own, [&](uint32_t id) { return !partOf(id).triangles.empty(); });
+            if (drawn == own.end()) continue;
             for (const auto& [id, part] : space_.parts)
                 if (part.shell != shell && part.volume > 0 && !part.triangles.empty() &&
-                    crossings(part.triangles, partOf(own[0]).triangles.front().middle()) % 2 == 1)
+                    crossings(part.triangles, partOf(*drawn).triangles.front().middle()) % 2 == 1)
                     around[shell].push_back(id);
+        }
         const auto nested = [&](uint32_t shell) { return around[shell].size() % 2 == 1; };
         for (const auto& [id, part] : space_.parts)
             if (part.inGlass) solid_.insert(id);

@@ -602,3 +602,14 @@ TEST(DirtyModel, things_that_stand_against_walls_are_solid) {
     closet.add(box({4, 0, 0}, {4.5, 2.5, 0.7}));
     expectRooms(closet, 2, 30 + 0.5 * 2.5 * 0.7);
 }
+
+TEST(DirtyModel, crumpled_faces_in_a_room_are_refused_by_name) {
+    ImportOptions options;
+    options.materials.glazing = {{"glass", glm::vec3(0.85f)}};
+    try {
+        importModel(HELIODON_TEST_DATA "/geometry/models/crumpled_in_room.obj", UpAxis::y, options);
+        ADD_FAILURE();
+    } catch (const InputError& error) {
+        EXPECT_NE(std::string(error.what()).find("Suzanne"), std::string::npos) << error.what();
+    }
+}
