@@ -13,6 +13,7 @@ public:
     DisjointSets() = default;
     explicit DisjointSets(size_t count) : parent_(count) { std::iota(parent_.begin(), parent_.end(), 0u); }
 
+    void add() { parent_.push_back(static_cast<uint32_t>(parent_.size())); }
     uint32_t root(uint32_t i) {
         while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
         return i;

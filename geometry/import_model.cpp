@@ -19,6 +19,7 @@
 #include "geometry/model_faces.h"
 #include "geometry/model_file.h"
 #include "geometry/model_reading.h"
+#include "geometry/named_leak.h"
 #include "geometry/raw_model.h"
 #include "geometry/refused_model.h"
 #include "geometry/room_measures.h"
@@ -66,7 +67,10 @@ public:
         return step < kMostRounding * reading_.extent ? step : 0;
     }
     const ModelReading& reading() const { return reading_; }
-    InputError withHint(const InputError& error) const {
+    // As the user has it.
+    InputError named(const InputError& wrong) const {
+        const InputError error =
+            withLeak(wrong, reading_.model, reading_.extent, reading_.worldPerBuilding());
         return {error, reading_.model.doWithoutNamed(error.what())};
     }
     RefusedModel refused(const InputError& error) const {
@@ -250,7 +254,7 @@ Building importModel(const std::filesystem::path& file, UpAxis up, const ImportO
         Building made = importer.import();
         importer.refuseInsideOfWalls(made);
         return made;
-    } catch (const InputError& error) {
+    } catch (const InputError& wrong) {
         for (const double apart : kRoundingApart) {
             const double coarser = apart * step / importer.reading().tolerance();
             if (coarser <= 1) continue;
@@ -265,8 +269,9 @@ Building importModel(const std::filesystem::path& file, UpAxis up, const ImportO
             } catch (const InputError&) { // what was wrong before says more
             }
         }
+        const InputError error = importer.named(wrong);
         if (options.onRefusal) options.onRefusal(importer.refused(error));
-        throw importer.withHint(error);
+        throw InputError(error);
     }
 }
 

@@ -19,6 +19,7 @@ std::string printable(std::string text);
 struct ModelPlace {
     std::vector<uint32_t> faces;    // by their numbers in the file, the one that is named first
     std::vector<glm::dvec3> border; // both ends of each edge round a hole, world metres
+    std::string said;               // of that hole, in the message
 };
 
 class InputError : public std::runtime_error {
@@ -29,6 +30,8 @@ public:
                ModelPlace where = {});
     // The same with more behind it.
     InputError(const InputError& error, const std::string& more);
+    // The same of another hole: `said` of that in place of what was said, or else behind it all.
+    InputError(const InputError& error, const std::vector<glm::dvec3>& border, const std::string& said);
 
     const ModelPlace& where() const { return where_; } // empty where it is no place of a model
 

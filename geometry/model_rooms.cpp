@@ -292,7 +292,8 @@ private:
     }
 
     [[noreturn]] void refuse(const std::vector<uint32_t>& faces, const std::string& what,
-                             const std::vector<glm::dvec3>& border = {}) const {
+                             const std::vector<glm::dvec3>& border = {},
+                             const std::string& ofHole = "") const {
         std::vector<uint32_t> drawn; // a face may have been cut into several
         for (const uint32_t f : faces) drawn.push_back(source_[f]);
         std::ranges::sort(drawn);
@@ -306,15 +307,14 @@ private:
             all.size() < 2 ? "" : model_.places(all.subspan(1, std::min<size_t>(4, all.size() - 1)));
         if (drawn.size() > 5) more += fmt::format(" and {} more", drawn.size() - 5);
         throw InputError(model_.file, drawn.empty() ? "" : model_.place(drawn[0]),
-                         what + (more.empty() ? "" : " (also " + more + ")"), {drawn, border});
+                         what + ofHole + (more.empty() ? "" : " (also " + more + ")"),
+                         {drawn, border, ofHole});
     }
 
     // In the file's unit and axes, as the program that wrote it shows them.
     std::string sizeOf(const ShellFaces& shells) const {
         if (shells.border.empty()) return "";
-        const Bounds box = boundsOf(shells.border);
-        const glm::dvec3 middle = box.centre(),
-                         p = model_.up == UpAxis::z ? glm::dvec3(middle.x, -middle.z, middle.y) : middle;
+        const glm::dvec3 p = model_.inFile(boundsOf(shells.border).centre());
         return fmt::format(" ({} {}, round {:.3g} {:.3g} {:.3g}, in the file's unit{})",
                            shells.isHole ? "it is" : "the open border of the largest such part is",
                            sizeOfHole(shells.border, offPlane()), p.x, p.y, p.z,
@@ -326,7 +326,7 @@ private:
         if (building_.faces.empty()) throw model_.errorAt(0, "no face of the model has an area");
         const std::vector<Face> before = made_.empty() ? std::vector<Face>{} : building_.faces;
         ShellFaces shells = orientShells(building_);
-        if (!shells.bad.empty()) refuse(shells.bad, shells.what + sizeOf(shells), shells.border);
+        if (!shells.bad.empty()) refuse(shells.bad, shells.what, shells.border, sizeOf(shells));
         shell_ = std::move(shells.shell);
         shellCount_ = shells.count;
         turnedOver_ += shells.turnedOver;

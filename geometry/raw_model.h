@@ -85,6 +85,8 @@ struct RawModel {
     void addCorner(uint32_t vertex, glm::vec3 normal);
     void endFace(uint32_t itsMaterial, size_t itsNumber, uint32_t itsSmoothing = 0); // of the last group
 
+    // One of `vertices`, or a point among them, as the file's axes have it.
+    glm::dvec3 inFile(glm::dvec3 p) const { return up == UpAxis::z ? glm::dvec3(p.x, -p.z, p.y) : p; }
     size_t faceCount() const { return firstCorner.size() - 1; }
     std::span<const uint32_t> face(size_t i) const {
         return {corners.data() + firstCorner[i], firstCorner[i + 1] - firstCorner[i]};
