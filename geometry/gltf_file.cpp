@@ -320,7 +320,9 @@ private:
                 addPrimitive(mesh.primitives[p], fmt::format("meshes[{}].primitives[{}]", node.mesh, p),
                              node.name, mesh.name, worldFromNode);
         }
+        above_.push_back(node.name);
         for (const int child : node.children) visit(child, worldFromNode, depth + 1);
+        above_.pop_back();
         seen = Seen::before;
     }
 
@@ -488,6 +490,7 @@ private:
         out_.groups.push_back(mesh.empty() ? node : mesh);
         out_.object.push_back(node.empty() ? RawModel::Object{"mesh", mesh} : RawModel::Object{"node", node});
         out_.source.push_back(place);
+        out_.above.push_back(above_);
         for (size_t t = 0; t < corner.size(); t += 3) {
             for (size_t k = 0; k < 3; ++k) {
                 const uint32_t v = corner[t + (mirrored ? 2 - k : k)];
@@ -502,7 +505,8 @@ private:
     std::optional<uint32_t> greyMaterial_;
     std::string withoutFaces_; // a primitive of points or lines
     enum class Seen : uint8_t { never, above, before };
-    std::vector<Seen> seen_; // per node
+    std::vector<Seen> seen_;         // per node
+    std::vector<std::string> above_; // the names of nodes above that which is visited
 };
 
 } // namespace

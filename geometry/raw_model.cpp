@@ -329,7 +329,9 @@ void leaveOut(RawModel& model, const std::vector<std::string>& names) {
     for (size_t k = 0; k < names.size(); ++k) {
         const auto isIt = [&](uint32_t g, uint32_t m) {
             return model.groups[g] == names[k] || model.object[g].name == names[k] ||
-                   model.materials[m].name == names[k];
+                   model.materials[m].name == names[k] ||
+                   (g < model.above.size() &&
+                    std::ranges::find(model.above[g], names[k]) != model.above[g].end());
         };
         for (size_t f = 0; f < gone.size(); ++f)
             if (isIt(model.group[f], model.material[f])) gone[f] = true, ++count[k];

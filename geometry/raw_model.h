@@ -52,6 +52,8 @@ struct RawModel {
         bool operator==(const Object&) const = default;
     };
     std::vector<Object> object;
+    std::vector<std::vector<std::string>>
+        above; // per group, in a glTF: the names of the nodes that it is under
     std::vector<Material>
         materials;                  // finite, reflectance in [0, 1), with transmittance at most 1 (but flaws)
     std::optional<double> northDeg; // direction of north, as Building has it, where the file says it

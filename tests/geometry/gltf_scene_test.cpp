@@ -100,6 +100,19 @@ TEST(GltfScene, nodes_turn_mirror_and_repeat) {
     expectRooms(R"([{"children":[1,2]},{"mesh":0},{"mesh":0,"translation":[6,0,0]}])", 2, 60);
 }
 
+TEST(GltfScene, a_node_is_left_out_with_those_below_it) {
+    const std::string file =
+        written(roomScene(json::parse(R"([{"name":"All","children":[1,2]},{"name":"Room","mesh":0},
+        {"name":"Annex","children":[3]},{"children":[4]},{"name":"Box","mesh":0,"translation":[6,0,0]}])")));
+    const auto faces = [&](const std::string& name) {
+        return readRawModel(file, {.glazing = {}, .reflectance = {}, .leftOut = {name}}).faceCount();
+    };
+    EXPECT_EQ(faces("Annex"), 12u);
+    EXPECT_EQ(faces("Box"), 12u);
+    EXPECT_THROW(faces("All"), InputError);
+    EXPECT_THROW(faces("Anne"), InputError);
+}
+
 TEST(GltfScene, what_cannot_be_read_is_refused_by_place) {
     expectRefused(roomScene(json::parse(R"([{"mesh":0,"children":[1]},{"children":[0]}])")),
                   "nodes[0]: is its own ancestor");
