@@ -15,8 +15,6 @@
 #include <unordered_map>
 #include <utility>
 
-#include <glm/geometric.hpp>
-
 #include "geometry/bounds.h"
 #include "geometry/disjoint_sets.h"
 #include "geometry/key_hash.h"
@@ -37,8 +35,9 @@ constexpr double kAround = 1.25; // of the model's longest side: the cube that i
 constexpr int kFirst = 5;        // at this level the outside is one
 constexpr int kBase = 6;         // up to this level all cells that faces meet are divided
 constexpr int kLast = 17;        // level of the smallest
-constexpr size_t kMostCells = 250000, kMostTests = 20000000;
+constexpr size_t kMostCells = 300000, kMostTests = 20000000;
 constexpr size_t kPiece = 100, kPieces = 8; // cells, and how many such at once
+constexpr size_t kMany = 250;               // triangles of a cell: smaller ones tell with less work
 constexpr double kLarge = 0.05;    // of the largest space: smaller ones are parts of ways between these
 constexpr double kParallel = 1e-6; // of planes, squared sine
 constexpr uint32_t kNone = ~0u;
@@ -405,6 +404,7 @@ private:
                 --count;
             }
         }
+        if (count > 1 && cell.near.size() > kMany) return true;
         for (uint32_t k = 0; k < cell.near.size() && count > 1;
              ++k) // where they were not cut along one another
             for (uint32_t i = 0; i < k; ++i) {
@@ -430,6 +430,7 @@ private:
         std::map<uint32_t, uint32_t> number; // in `sets`: of cells, and of small spaces
         std::vector<uint32_t> open;
         for (const uint32_t c : met) {
+            tests_ += cells_[c].near.size();
             if (hasWay(cells_[c])) {
                 number.emplace(c, static_cast<uint32_t>(number.size()));
                 open.push_back(c);
