@@ -7,6 +7,7 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
+#include "geometry/corner_normals.h"
 #include "geometry/key_hash.h"
 #include "geometry/perpendicular.h"
 #include "geometry/segment_distance.h"

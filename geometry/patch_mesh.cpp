@@ -1,11 +1,7 @@
 #include "geometry/patch_mesh.h"
 
-#include <array>
-#include <unordered_map>
-
 #include <glm/geometric.hpp>
 
-#include "geometry/key_hash.h"
 #include "geometry/outline_area.h"
 
 namespace heliodon::geometry {
@@ -53,29 +49,6 @@ glm::dvec3 patchCentroid(const PatchMesh& mesh, size_t patch) {
         weight += twiceArea;
     }
     return weight > 0 ? origin + sum / weight : origin;
-}
-
-std::vector<glm::dvec3> cornerNormals(const PatchMesh& mesh) {
-    std::unordered_map<std::array<int64_t, 2>, glm::dvec3, KeyHash> sums; // by vertex and surface
-    for (size_t i = 0; i < mesh.patchCount(); ++i) {
-        const glm::dvec3 own = patchAreaVector(mesh, i);
-        for (const uint32_t v : mesh.patch(i))
-            sums.try_emplace({v, mesh.surface[i]}, 0.0).first->second += own;
-    }
-    std::vector<glm::dvec3> out;
-    bool curved = false;
-    for (size_t i = 0; i < mesh.patchCount(); ++i) {
-        const glm::dvec3 own = patchAreaVector(mesh, i);
-        const bool faces = glm::length(own) > 0; // a patch without area does not say where to
-        for (const uint32_t v : mesh.patch(i)) {
-            const glm::dvec3 sum = sums.at({v, mesh.surface[i]});
-            out.push_back(glm::length(sum) > 0 ? glm::normalize(sum)
-                          : faces              ? glm::normalize(own)
-                                               : glm::dvec3(0, 1, 0));
-            curved = curved || (faces && !inOnePlane(out.back(), glm::normalize(own)));
-        }
-    }
-    return curved ? out : std::vector<glm::dvec3>{};
 }
 
 } // namespace heliodon::geometry

@@ -79,8 +79,4 @@ double patchArea(const PatchMesh& mesh, size_t patch);
 glm::dvec3 patchNormal(const PatchMesh& mesh, size_t patch);
 glm::dvec3 patchCentroid(const PatchMesh& mesh, size_t patch);
 
-// Per corner (as PatchMesh::corners), of length one: the mean by area of the patches of its surface round the
-// vertex, so that curved surfaces are smooth. Empty where all surfaces are flat.
-std::vector<glm::dvec3> cornerNormals(const PatchMesh& mesh);
-
 } // namespace heliodon::geometry

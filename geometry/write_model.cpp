@@ -14,6 +14,7 @@
 #include <glm/geometric.hpp>
 #include <nlohmann/json.hpp>
 
+#include "geometry/corner_normals.h"
 #include "geometry/glass_mark.h"
 #include "geometry/input_error.h"
 #include "geometry/model_file.h"

@@ -10,6 +10,7 @@
 #include <glm/matrix.hpp>
 #include <glm/vec2.hpp>
 
+#include "geometry/corner_normals.h"
 #include "geometry/perpendicular.h"
 
 namespace heliodon::passes {
