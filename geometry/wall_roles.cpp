@@ -2,12 +2,18 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <map>
 #include <numbers>
 #include <tuple>
 #include <utility>
 
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
+#include <glm/vector_relational.hpp>
+
+#include "geometry/perpendicular.h"
+#include "geometry/plan_fillings.h"
 
 namespace heliodon::geometry {
 
@@ -15,20 +21,31 @@ namespace {
 
 constexpr double kCopyOff = 0.2; // inches: how far a copy may reach beyond the wall that it repeats,
 constexpr double kAlike = 0.05;  // and how much thicker than that it may be
+// Inches: how far before a wall's face it is asked what is there, and again behind a filling, up to the
+// width of the corners and cracks that are filled.
+constexpr double kBefore = 0.15, kFilled = 1.5;
+constexpr double kLeast = 0.3;                  // inches: less of a side is none
+constexpr double kStep = 0.1, kMostSteps = 100; // inches between the places where it is asked
 
 struct Stretch {
     double from = 0, to = 0; // inches along a piece, from its end a
     double length() const { return to - from; }
 };
 
-double common(const Stretch& a, const Stretch& b) {
-    return std::max(0.0, std::min(a.to, b.to) - std::max(a.from, b.from));
-}
+struct Box {
+    glm::dvec2 low{}, high{};
+};
 
 class RoleFinder {
 public:
     RoleFinder(const Sketch& sketch, const PlanWalls& plan, const PlanRooms& spaces)
-        : sketch_(sketch), plan_(plan), spaces_(spaces) {}
+        : sketch_(sketch), plan_(plan), spaces_(spaces) {
+        for (const PlanSolid& solid : plan.solids) {
+            Box box{solid.outline[0], solid.outline[0]};
+            for (const glm::dvec2 p : solid.outline) box = {glm::min(box.low, p), glm::max(box.high, p)};
+            boxes_.push_back(box);
+        }
+    }
 
     void add(std::vector<WallRole>& out, const std::vector<bool>& partitionUsed) const {
         for (const auto& [key, pieces] : piecesById(plan_.pieces)) {
@@ -116,26 +133,89 @@ private:
         return best;
     }
 
-    // By what the rooms see of this primitive's own part of the pieces that it was merged into.
+    enum class Beyond : uint8_t { room, outside, wall };
+
+    bool meets(const PlanSolid& solid, glm::dvec2 p, glm::dvec2 out) const {
+        const WallPiece& wall = plan_.pieces[static_cast<size_t>(solid.piece)];
+        const glm::dvec2 along = wall.curved ? leftOf(p - wall.center) : wall.b - wall.a;
+        return std::abs(glm::dot(glm::normalize(along), out)) > kParallelSine;
+    }
+
+    Beyond sideOf(const WallPiece& piece, size_t index, double at, bool onLeft,
+                  const std::vector<const PlanSolid*>& near) const {
+        if (std::ranges::any_of(spaces_.seen[index][onLeft],
+                                [&](const auto& seen) { return at > seen.first && at < seen.second; }))
+            return Beyond::room;
+        const double angle = piece.a0 + at / piece.radius;
+        const glm::dvec2 along = glm::normalize(piece.b - piece.a);
+        const glm::dvec2 left = piece.curved ? -glm::dvec2(std::cos(angle), std::sin(angle)) : leftOf(along);
+        const glm::dvec2 middle = piece.curved ? piece.center - piece.radius * left : piece.a + at * along;
+        const glm::dvec2 out = onLeft ? left : -left;
+        return beyond(near, middle, piece.thickness / 2, out);
+    }
+
+    // What is before a face that rooms do not see there, behind fillings and copies of the wall, off its
+    // line, that may cover it. Only walls that meet the face hide what it would look at; one that stands
+    // beside it is outside.
+    Beyond beyond(const std::vector<const PlanSolid*>& near, glm::dvec2 middle, double half,
+                  glm::dvec2 out) const {
+        for (double depth = kBefore; depth < kFilled; depth += kBefore) {
+            const glm::dvec2 p = middle + (half + depth) * out;
+            if (std::ranges::any_of(spaces_.rooms, [&](const RoomPlan& room) { return contains(room, p); }))
+                return Beyond::room;
+            bool covered = false, beside = false;
+            for (const PlanSolid* solid : near) {
+                if (!contains(solid->outline, p)) continue;
+                const bool filling = solid->piece < 0;
+                if (!filling && meets(*solid, p, out)) return Beyond::wall;
+                (filling || contains(solid->outline, middle) ? covered : beside) = true;
+            }
+            if (beside || !covered) break;
+        }
+        return Beyond::outside;
+    }
+
+    std::vector<const PlanSolid*> solidsNear(size_t piece) const {
+        const Box& own = boxes_[piece];
+        std::vector<const PlanSolid*> out;
+        for (size_t i = 0; i < boxes_.size(); ++i)
+            if (i != piece && glm::all(glm::lessThan(boxes_[i].low, own.high + kFilled)) &&
+                glm::all(glm::greaterThan(boxes_[i].high, own.low - kFilled)))
+                out.push_back(&plan_.solids[i]);
+        return out;
+    }
+
+    // By what is on both sides of this primitive's own part of the pieces that it was merged into.
     const char* roleOf(const std::vector<size_t>& pieces, const std::string& id) const {
         if (spaces_.rooms.empty()) return "outside_extra";
-        double sum = 0, both = 0;
+        double both = 0, one = 0, outside = 0;
         for (const size_t index : pieces) {
             const WallPiece& piece = plan_.pieces[index];
-            const Stretch own = piece.curved ? Stretch{0, 1e9} : stretchOf(piece, id);
-            const auto& [right, left] = spaces_.seen[index];
-            for (const auto& side : {right, left})
-                for (const auto& [a, b] : side) sum += common({a, b}, own);
-            for (const auto& [a, b] : right)
-                for (const auto& [c, d] : left) both += common({std::max(a, c), std::min(b, d)}, own);
+            const double length =
+                piece.curved ? piece.radius * (piece.a1 - piece.a0) : glm::length(piece.b - piece.a);
+            Stretch own = piece.curved ? Stretch{0, length} : stretchOf(piece, id);
+            own = {std::max(own.from, 0.0), std::min(own.to, length)};
+            if (own.length() <= 0) continue;
+            const std::vector<const PlanSolid*> near = solidsNear(index);
+            const double count = std::clamp(std::ceil(own.length() / kStep), 1.0, kMostSteps),
+                         step = own.length() / count;
+            for (double k = 0.5; k < count; ++k) {
+                const double at = own.from + k * step;
+                const Beyond right = sideOf(piece, index, at, false, near),
+                             left = sideOf(piece, index, at, true, near);
+                if (right != Beyond::room && left != Beyond::room) continue;
+                (right == left ? both : one) += step;
+                if (right == Beyond::outside || left == Beyond::outside) outside += step;
+            }
         }
-        if (sum < 0.3) return "outside_extra";
-        return both > sum - 2 * both ? "interior" : "exterior";
+        if (2 * both + one < kLeast) return "outside_extra";
+        return both > one || (both > 0 && outside < kLeast) ? "interior" : "exterior";
     }
 
     const Sketch& sketch_;
     const PlanWalls& plan_;
     const PlanRooms& spaces_;
+    std::vector<Box> boxes_; // of the plan's solids
 };
 
 } // namespace
