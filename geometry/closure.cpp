@@ -242,6 +242,7 @@ private:
         for (const RoomPlan& room : spaces_.rooms) ceilings.push_back(ceilingOf(room));
         const std::vector<WallRun> runs = wallRuns(plan_, spaces_.rooms);
         PlanMaterials materials = planMaterials(sketch_, plan_, spaces_.rooms, runs, options_);
+        notes_.insert(notes_.end(), materials.notes.begin(), materials.notes.end());
         PlanWindows windows = placeWindows(sketch_, plan_, runs, ceilings);
         notes_.insert(notes_.end(), windows.notes.begin(), windows.notes.end());
         const auto make = [&](const std::vector<WindowHole>& holes) {

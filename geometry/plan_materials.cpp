@@ -5,9 +5,11 @@
 #include <limits>
 #include <map>
 #include <numbers>
-#include <optional>
+#include <set>
+#include <string>
 #include <tuple>
 
+#include <fmt/format.h>
 #include <glm/geometric.hpp>
 
 #include "geometry/segment_distance.h"
@@ -64,6 +66,7 @@ public:
         for (const RoomPlan& room : rooms_) {
             const Token* floor = nearest(TokenKind::floor, room);
             const Token* walls = nearest(TokenKind::wallAll, room);
+            used_.insert({floor, walls});
             out_.rooms.push_back(
                 {add("floor", floor ? chipReflectance(floor->rgb) : options_.floorReflectance), ceiling,
                  glazing});
@@ -71,18 +74,27 @@ public:
         }
         paintSingles();
         for (const WallRun& run : runs_) {
-            const auto painted = paintedRun(run);
-            out_.runs.push_back(painted ? *painted : wallOfRoom[run.room]);
+            const Paint* paint = paintOf(run);
+            if (paint) used_.insert(paint->token);
+            out_.runs.push_back(paint ? paint->material : wallOfRoom[run.room]);
         }
         for (size_t i = 0; i < plan_.partitions.size(); ++i) {
+            const WallPiece& piece = plan_.partitions[i];
             const auto found = singles_.find(i + plan_.pieces.size());
-            out_.partitions.push_back(found != singles_.end() ? found->second
-                                                              : wallOfRoom[roomOf(plan_.partitions[i])]);
+            if (found != singles_.end() && isInRoom(piece)) used_.insert(found->second.token);
+            out_.partitions.push_back(found != singles_.end() ? found->second.material
+                                                              : wallOfRoom[roomOf(piece)]);
         }
+        for (const Token& token : tokens_) noteUnused(token);
         return std::move(out_);
     }
 
 private:
+    struct Paint {
+        uint32_t material = 0;
+        const Token* token = nullptr;
+    };
+
     uint32_t add(const std::string& kind, glm::vec3 reflectance) {
         int copies = 0;
         for (size_t i = 0; i < out_.materials.size(); ++i) {
@@ -121,33 +133,85 @@ private:
         return best;
     }
 
-    void paintSingles() {
-        for (const Token& token : tokens_) {
-            if (token.kind != TokenKind::wallSingle) continue;
-            size_t best = 0;
-            double least = std::numeric_limits<double>::infinity();
-            for (size_t i = 0; i < plan_.pieces.size() + plan_.partitions.size(); ++i) {
-                const WallPiece& piece =
-                    i < plan_.pieces.size() ? plan_.pieces[i] : plan_.partitions[i - plan_.pieces.size()];
-                if (const double d = distanceToPiece(token.pos, piece); d < least) {
-                    least = d;
-                    best = i;
-                }
-            }
-            singles_[best] = add("painted wall", chipReflectance(token.rgb));
-        }
+    bool isInRoom(const WallPiece& piece) const {
+        for (const glm::dvec2 p : {piece.a, piece.b, 0.5 * (piece.a + piece.b)})
+            if (std::ranges::any_of(rooms_, [&](const RoomPlan& room) { return contains(room, p); }))
+                return true;
+        return false;
     }
 
-    // A side made of several pieces is one wall: paint on one of them is paint on all.
-    std::optional<uint32_t> paintedRun(const WallRun& run) const {
-        for (const auto& [piece, material] : singles_) {
+    const WallPiece& pieceAt(size_t i) const {
+        return i < plan_.pieces.size() ? plan_.pieces[i] : plan_.partitions[i - plan_.pieces.size()];
+    }
+
+    size_t nearestPiece(const Token& token) const {
+        size_t best = 0;
+        double least = std::numeric_limits<double>::infinity();
+        for (size_t i = 0; i < plan_.pieces.size() + plan_.partitions.size(); ++i)
+            if (const double d = distanceToPiece(token.pos, pieceAt(i)); d < least) {
+                least = d;
+                best = i;
+            }
+        return best;
+    }
+
+    void paintSingles() {
+        for (const Token& token : tokens_)
+            if (token.kind == TokenKind::wallSingle)
+                singles_[nearestPiece(token)] = {add("painted wall", chipReflectance(token.rgb)), &token};
+    }
+
+    // A side made of several pieces is one wall: paint on one of them is paint on all, and on its ends.
+    const Paint* paintOf(const WallRun& run) const {
+        if (run.line < 0 && run.curved < 0) return paintOfEnd(run);
+        for (const auto& [piece, paint] : singles_) {
             if (piece >= plan_.pieces.size()) continue;
             const WallPiece& wall = plan_.pieces[piece];
             if (wall.curved ? run.curved == static_cast<int>(piece)
                             : run.line == wall.line && overlaps(run, wall))
-                return material;
+                return &paint;
         }
-        return {};
+        return nullptr;
+    }
+
+    const Paint* paintOfEnd(const WallRun& end) const {
+        const std::vector<OutlineEdge>& edges = rooms_[end.room].loops[end.loop].edges;
+        for (size_t k = 0; k < end.count; ++k) {
+            const int piece = edges[(end.first + k) % edges.size()].piece;
+            if (piece < 0) continue;
+            const WallPiece& wall = plan_.pieces[static_cast<size_t>(piece)];
+            for (const WallRun& run : runs_)
+                if (run.line >= 0 && run.line == wall.line && overlaps(run, wall))
+                    if (const Paint* paint = paintOf(run)) return paint;
+        }
+        return nullptr;
+    }
+
+    // Where another one gives the same colour nothing is lost.
+    void noteUnused(const Token& token) {
+        std::string why;
+        if (token.kind == TokenKind::wallSingle) {
+            if (used_.contains(&token)) return;
+            const size_t nearest = nearestPiece(token);
+            const WallPiece& piece = pieceAt(nearest);
+            const Token* other = singles_.at(nearest).token;
+            for (const WallRun& run : runs_)
+                if (nearest < plan_.pieces.size() && run.line >= 0 && run.line == piece.line &&
+                    overlaps(run, piece))
+                    other = paintOf(run)->token;
+            const std::string& wall = std::ranges::min(piece.ids);
+            if (other == &token)
+                why = fmt::format("the nearest wall, {}, is in no room", wall);
+            else if (other->rgb != token.rgb)
+                why = fmt::format("the wall {} has the colour of {}", wall, other->id);
+        } else if (std::ranges::none_of(used_, [&](const Token* other) {
+                       return other && other->kind == token.kind && other->rgb == token.rgb;
+                   }))
+            why = fmt::format("every room has the colour of its {} from another one",
+                              token.kind == TokenKind::floor ? "floor" : "walls");
+        if (!why.empty())
+            out_.notes.push_back(
+                {"TOKEN_UNUSED", fmt::format("token {} colours nothing: {}", token.id, why)});
     }
 
     bool overlaps(const WallRun& run, const WallPiece& wall) const {
@@ -161,7 +225,8 @@ private:
     const std::vector<WallRun>& runs_;
     const ClosureOptions& options_;
     std::vector<Token> tokens_;
-    std::map<size_t, uint32_t> singles_; // piece, or count of pieces + partition
+    std::map<size_t, Paint> singles_; // by piece, or count of pieces + partition
+    std::set<const Token*> used_;
     PlanMaterials out_;
 };
 

@@ -14,10 +14,11 @@ struct PlanMaterials {
     std::vector<Material> materials;
     std::vector<RoomMaterials> rooms;
     std::vector<uint32_t> runs, partitions;
+    std::vector<PlanNote> notes; // of tokens that colour nothing
 };
 
-// A floor token lies in its room; a room without one takes that of the nearest token, as with the token for
-// all walls. A token for a single wall paints the nearest wall, both its faces.
+// A room takes the floor token that lies in it, else the nearest one, and so the token for all walls. A token
+// for a single wall paints the nearest wall, both its faces and its free ends, as far as it runs straight.
 PlanMaterials planMaterials(const Sketch& sketch, const PlanWalls& plan, const std::vector<RoomPlan>& rooms,
                             const std::vector<WallRun>& runs, const ClosureOptions& options);
 
