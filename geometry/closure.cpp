@@ -32,7 +32,8 @@ constexpr double kEven = 1e-4; // of a length: what walls of one class may be sh
 constexpr double kLeastSkylight = 0.005; // inches: corners nearer to one another are one (plan_overlay.cpp)
 constexpr double kDoor = 2 - 1e-6;       // inches: as wide as doors are drawn
 constexpr size_t kMostWalls = 500;       // the paper's table holds about twenty
-constexpr double kWeld = 1e-9;           // metres
+constexpr size_t kMostSkylights = 1000;
+constexpr double kWeld = 1e-9; // metres
 constexpr double kTwinOff =
     0.1 * kMetresPerInch; // of corners of twins: the two faces of a wall are not quite parallel
 constexpr double kLeastTriangle = 1e-6 * kMetresPerInch * kMetresPerInch;
@@ -159,11 +160,14 @@ private:
     }
 
     bool plan() {
-        if (sketch_.walls.size() + sketch_.arcs.size() > kMostWalls) {
-            refuse("TOO_MANY_WALLS", fmt::format("the sketch has {} walls, at most {} are taken",
-                                                 sketch_.walls.size() + sketch_.arcs.size(), kMostWalls));
+        const auto tooMany = [&](size_t count, size_t most, const char* code, const char* what) {
+            if (count > most)
+                refuse(code, fmt::format("the sketch has {} {}, at most {} are taken", count, what, most));
+            return count > most;
+        };
+        if (tooMany(sketch_.walls.size() + sketch_.arcs.size(), kMostWalls, "TOO_MANY_WALLS", "walls") ||
+            tooMany(sketch_.skylights.size(), kMostSkylights, "TOO_MANY_SKYLIGHTS", "skylights"))
             return false;
-        }
         plan_ = planWalls(sketch_, planOptions(options_));
         notes_.insert(notes_.end(), plan_.notes.begin(), plan_.notes.end());
         ignored_.insert(ignored_.end(), plan_.ignored.begin(), plan_.ignored.end());

@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <set>
+#include <utility>
 
 #include <glm/geometric.hpp>
 
@@ -41,6 +43,8 @@ public:
                     }
         for (size_t v = 0; v < map.points.size(); ++v)
             if (corners.contains({map.points[v].x, map.points[v].y})) kind_[v] = Kind::corner;
+        for (uint32_t e = 0; e < map.edgeCount(); ++e)
+            if (onOutline(e)) outlineEdges_.push_back(e);
     }
 
     // False when nothing has to move.
@@ -73,21 +77,33 @@ private:
         std::vector<int32_t> lines; // edges of outlines on which it lies
     };
 
-    // Goes to the nearest of what is settled and close, else stays.
+    // Goes to the nearest of what is settled and close, of equals the first, else stays.
     bool settle(uint32_t v) {
         const glm::dvec2 p = map_.points[v];
         if (kind_[v] != Kind::corner) {
-            double least = kSnap;
-            for (const Settled& other : settled_)
-                if (const double apart = glm::length(other.at - p); apart < least && mayGo(v, other)) {
-                    least = apart;
-                    place_[v] = other.at;
-                }
-            if (least == kSnap && kind_[v] == Kind::loose) place_[v] = onNearEdge(p);
+            std::pair nearest(kSnap, settled_.size());
+            forSettled(p.x - kSnap, p.x + kSnap, [&](size_t i) {
+                const double apart = glm::length(settled_[i].at - p);
+                if (apart < kSnap && std::pair(apart, i) < nearest && mayGo(v, settled_[i]))
+                    nearest = {apart, i};
+            });
+            if (nearest.second < settled_.size())
+                place_[v] = settled_[nearest.second].at;
+            else if (kind_[v] == Kind::loose)
+                place_[v] = onNearEdge(p);
         }
-        if (place_[v] == p || std::ranges::find(settled_, place_[v], &Settled::at) == settled_.end())
+        bool known = false;
+        forSettled(place_[v].x, place_[v].x, [&](size_t i) { known |= settled_[i].at == place_[v]; });
+        if (place_[v] == p || !known) {
+            byX_.emplace(place_[v].x, settled_.size());
             settled_.push_back({place_[v], lines_[v]});
+        }
         return place_[v] != p;
+    }
+
+    // Calls visit(index) for what is settled between these x, both included.
+    template<class Visit> void forSettled(double low, double high, const Visit& visit) const {
+        for (auto i = byX_.lower_bound(low); i != byX_.end() && i->first <= high; ++i) visit(i->second);
     }
 
     // Points on an outline only along it: the other side of a sharp corner may be near, too.
@@ -98,8 +114,7 @@ private:
     glm::dvec2 onNearEdge(glm::dvec2 p) const {
         double least = kSnap;
         glm::dvec2 best = p;
-        for (uint32_t e = 0; e < map_.edgeCount(); ++e) {
-            if (!onOutline(e)) continue;
+        for (const uint32_t e : outlineEdges_) {
             const glm::dvec2 a = map_.points[map_.source(2 * e)], d = map_.points[map_.target[2 * e]] - a;
             const double t = glm::dot(p - a, d) / glm::dot(d, d), apart = glm::length(p - a - t * d);
             if (!(t > 0 && t < 1 && apart < least)) continue; // edges may round to a point
@@ -109,23 +124,25 @@ private:
         return best;
     }
 
-    // Through the settled points that the edge passes closely by; an outline only through those on it.
+    // Through the settled points that the edge passes closely by; an outline only through those on it. Of a
+    // triangle with sides a little over kSnap only the longest passes by a corner: each of them would go over
+    // to the two others, round after round.
     bool bend(uint32_t e) {
         const glm::dvec2 a = place_[map_.source(2 * e)], b = place_[map_.target[2 * e]];
         chains_.push_back({});
         if (a == b) return true;
         const double near = onOutline(e) ? kOn : kSnap;
+        const double length = glm::length(b - a);
         const glm::dvec2 d = glm::normalize(b - a);
         std::vector<std::pair<double, size_t>> found;
-        for (size_t i = 0; i < settled_.size(); ++i) {
+        forSettled(std::min(a.x, b.x) - near, std::max(a.x, b.x) + near, [&](size_t i) {
             const glm::dvec2 p = settled_[i].at;
-            if (p.x < std::min(a.x, b.x) - near || p.x > std::max(a.x, b.x) + near ||
-                p.y < std::min(a.y, b.y) - near || p.y > std::max(a.y, b.y) + near || p == a || p == b)
-                continue;
+            if (p.y < std::min(a.y, b.y) - near || p.y > std::max(a.y, b.y) + near || p == a || p == b)
+                return;
             const double t = glm::dot(p - a, d);
-            if (t > 0 && t < glm::length(b - a) && glm::length(p - a - t * d) < near)
-                found.emplace_back(t, i);
-        }
+            const double longest = std::max(glm::length(p - a), glm::length(p - b));
+            if (t > 0 && longest < length && glm::length(p - a - t * d) < near) found.emplace_back(t, i);
+        });
         std::ranges::sort(found);
         chains_.back().push_back(a);
         for (const auto& [t, i] : found) // crossings may round to one point
@@ -140,6 +157,8 @@ private:
     std::vector<glm::dvec2> place_;
     std::vector<Kind> kind_;
     std::vector<Settled> settled_;
+    std::multimap<double, size_t> byX_; // of them
+    std::vector<uint32_t> outlineEdges_;
     std::vector<std::vector<int32_t>> lines_;     // per point: edges of outlines on which it lies
     std::vector<std::vector<glm::dvec2>> chains_; // per edge
 };
@@ -197,10 +216,10 @@ private:
             if (!snapper.snap()) break;
             overlay_.map = arrange(snapper.segments());
         }
-        overlay_.room = firstOver(roomOfTag_, 0, roomCount_);
-        overlay_.shape = firstOver(shapeOfTag_, static_cast<size_t>(overlay_.outlineTags), shapeCount_);
-        const std::vector<int> square = firstOver(
-            squareOfTag_, static_cast<size_t>(overlay_.outlineTags) + shapeOfTag_.size(), squares_.size());
+        overlay_.room = firstOver(roomOfTag_, 0);
+        overlay_.shape = firstOver(shapeOfTag_, static_cast<size_t>(overlay_.outlineTags));
+        const std::vector<int> square =
+            firstOver(squareOfTag_, static_cast<size_t>(overlay_.outlineTags) + shapeOfTag_.size());
         overlay_.label.assign(overlay_.map.cellCount, -1);
         for (uint32_t c = 0; c < overlay_.map.cellCount; ++c)
             if (overlay_.room[c] >= 0) overlay_.label[c] = 2 * overlay_.room[c] + (overlay_.shape[c] >= 0);
@@ -235,17 +254,16 @@ private:
         }
     }
 
-    std::vector<int> firstOver(const std::vector<int>& owner, size_t firstTag, size_t count) const {
+    std::vector<int> firstOver(const std::vector<int>& owner, size_t firstTag) const {
         std::vector<int> found(overlay_.map.cellCount, -1);
-        for (size_t id = count; id-- > 0;) {
-            const std::vector<int> depth = coverage(overlay_.map, [&](int32_t tag) {
-                const size_t i = static_cast<size_t>(tag) - firstTag;
-                return static_cast<size_t>(tag) >= firstTag && i < owner.size() &&
-                       owner[i] == static_cast<int>(id);
-            });
-            for (uint32_t c = 0; c < overlay_.map.cellCount; ++c)
-                if (depth[c] > 0) found[c] = static_cast<int>(id);
-        }
+        const auto depth = coverageOfEach(overlay_.map, [&](int32_t tag) {
+            const size_t i = static_cast<size_t>(tag) - firstTag;
+            return static_cast<size_t>(tag) >= firstTag && i < owner.size() ? owner[i] : -1;
+        });
+        for (uint32_t c = 0; c < overlay_.map.cellCount; ++c)
+            if (const auto first = std::ranges::find_if(depth[c], [](const auto& d) { return d.second > 0; });
+                first != depth[c].end())
+                found[c] = first->first;
         return found;
     }
 

@@ -81,18 +81,4 @@ void absorbThinCells(const PlanArrangement& map, std::vector<int>& labels, doubl
             labels[c] = best[c].second;
 }
 
-std::vector<std::map<int32_t, int>> coverageByTag(const PlanArrangement& map) {
-    std::vector<std::map<int32_t, int>> depth(map.cellCount);
-    walkCells(map, [&](uint32_t from, uint32_t to, uint32_t h) {
-        depth[to] = depth[from];
-        for (const PlanArrangement::Tag& tag : map.tags[h / 2]) {
-            if (tag.tag < 0) continue;
-            const auto own = depth[to].try_emplace(tag.tag, 0).first;
-            own->second -= tag.forward == (h % 2 == 0) ? 1 : -1;
-            if (own->second == 0) depth[to].erase(own);
-        }
-    });
-    return depth;
-}
-
 } // namespace heliodon::geometry

@@ -27,9 +27,11 @@ void absorbThinCells(const PlanArrangement& map, std::vector<int>& labels, doubl
 // segment of that tag is an edge of one of them.
 template<class IsEdge> std::vector<int> coverage(const PlanArrangement& map, IsEdge isEdge);
 
-// The same of all polygons at once, each with a tag of its own from 0 on: per cell how many times each lies
-// over it, none where that is 0. Cost: cells times what lies over one.
-std::vector<std::map<int32_t, int>> coverageByTag(const PlanArrangement& map);
+// The same of all polygons at once: per cell how many times each lies over it, none where that is 0.
+// `polygonOf(tag)`: from 0 on, below 0 for a segment that is no edge of one. Cost: cells times what lies over
+// one.
+template<class PolygonOf>
+std::vector<std::map<int32_t, int>> coverageOfEach(const PlanArrangement& map, PolygonOf polygonOf);
 
 // Signed area of each cell, net of its holes; the unbounded cell's is minus the rest.
 std::vector<double> cellAreas(const PlanArrangement& map);
@@ -58,6 +60,22 @@ template<class IsEdge> std::vector<int> coverage(const PlanArrangement& map, IsE
         depth[to] = depth[from];
         for (const PlanArrangement::Tag& tag : map.tags[h / 2])
             if (isEdge(tag.tag)) depth[to] -= tag.forward == (h % 2 == 0) ? 1 : -1;
+    });
+    return depth;
+}
+
+template<class PolygonOf>
+std::vector<std::map<int32_t, int>> coverageOfEach(const PlanArrangement& map, PolygonOf polygonOf) {
+    std::vector<std::map<int32_t, int>> depth(map.cellCount);
+    walkCells(map, [&](uint32_t from, uint32_t to, uint32_t h) {
+        depth[to] = depth[from];
+        for (const PlanArrangement::Tag& tag : map.tags[h / 2]) {
+            const int32_t polygon = polygonOf(tag.tag);
+            if (polygon < 0) continue;
+            const auto own = depth[to].try_emplace(polygon, 0).first;
+            own->second -= tag.forward == (h % 2 == 0) ? 1 : -1;
+            if (own->second == 0) depth[to].erase(own);
+        }
     });
     return depth;
 }

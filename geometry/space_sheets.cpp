@@ -249,7 +249,7 @@ private:
 
     std::vector<Drawn> drawnOver(const PlanArrangement& map, const Plane& plane) const { // per cell
         std::vector<Drawn> drawn(map.cellCount);
-        const auto depth = coverageByTag(map);
+        const auto depth = coverageOfEach(map, [](int32_t tag) { return tag; });
         for (uint32_t c = 1; c < map.cellCount; ++c)
             for (const auto& [k, times] : depth[c]) {
                 const Face& face = welded_.faces[plane.faces[static_cast<size_t>(k)]];
