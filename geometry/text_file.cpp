@@ -145,6 +145,32 @@ void refuseLargeNumber(const std::filesystem::path& file, const std::string& tex
                      fmt::format("{} is too large a number to represent", number));
 }
 
+void RepeatedFields::begin(bool list) {
+    open_.push_back({list, 0, {}, {}});
+}
+
+void RepeatedFields::field(const std::string& name) {
+    open_.back().field = name;
+    if (!open_.back().fields.insert(name).second)
+        throw InputError(file_.string(), place(), "is there twice, expected it once");
+}
+
+void RepeatedFields::value() {
+    if (!open_.empty()) ++open_.back().count;
+}
+
+void RepeatedFields::end() {
+    open_.pop_back();
+    value();
+}
+
+std::string RepeatedFields::place() const {
+    std::string out;
+    for (const Open& in : open_)
+        out += in.list ? fmt::format("[{}]", in.count) : (out.empty() ? "" : ".") + in.field;
+    return out;
+}
+
 std::string asUtf8(const std::string& text) {
     for (size_t at = 0; at < text.size();) {
         const size_t length = characterLength(std::string_view(text).substr(at));

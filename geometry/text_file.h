@@ -2,8 +2,11 @@
 #pragma once
 
 #include <filesystem>
+#include <set>
 #include <string>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 #include <nlohmann/json.hpp>
 
@@ -26,12 +29,48 @@ void refuseOtherKinds(const std::filesystem::path& file, std::string_view text, 
 [[noreturn]] void refuseLargeNumber(const std::filesystem::path& file, const std::string& text,
                                     const nlohmann::json::out_of_range& error);
 
-// As readText, and InputError with the line where it stops being JSON. Json: nlohmann::json or ordered_json.
+// Told what a parser comes upon, throws InputError where an object has a field twice: parsers keep the last.
+class RepeatedFields {
+public:
+    explicit RepeatedFields(std::filesystem::path file) : file_(std::move(file)) {}
+    void begin(bool list); // an object or a list
+    void field(const std::string& name);
+    void value();
+    void end();
+
+private:
+    struct Open {
+        bool list = false;
+        size_t count = 0;             // of a list: what was read of it
+        std::string field;            // of an object: the last one,
+        std::set<std::string> fields; // and all
+    };
+    std::string place() const;
+
+    std::filesystem::path file_;
+    std::vector<Open> open_;
+};
+
+// As readText, and InputError with the line where it stops being JSON, or a field that is there twice. Json:
+// nlohmann::json or ordered_json.
 template<class Json = nlohmann::json>
 Json readJson(const std::filesystem::path& file, const std::string& expected) {
     const std::string text = readText(file, expected);
+    RepeatedFields repeated(file);
+    const auto check = [&](int, typename Json::parse_event_t event, const Json& parsed) {
+        using Event = typename Json::parse_event_t;
+        if (event == Event::key)
+            repeated.field(parsed.template get<std::string>());
+        else if (event == Event::object_start || event == Event::array_start)
+            repeated.begin(event == Event::array_start);
+        else if (event == Event::object_end || event == Event::array_end)
+            repeated.end();
+        else
+            repeated.value();
+        return true;
+    };
     try {
-        return Json::parse(text);
+        return Json::parse(text, check);
     } catch (const nlohmann::json::parse_error& error) {
         refuseNotJson(file, text, error.byte, expected);
     } catch (const nlohmann::json::out_of_range& error) {

@@ -51,6 +51,16 @@ void expectSameDetection(const Detection& a, const Detection& b) {
 
 } // namespace
 
+TEST_F(SketchFile, a_field_that_is_there_twice_is_refused_by_name) {
+    EXPECT_EQ(refusal(R"({"format": "vh-sketch/1", "walls": [], "windows": [], "walls": []})"),
+              "walls: is there twice, expected it once");
+    const std::string wall = R"({"a": [0, 0], "b": [9, 0], "height_class": "red"})";
+    EXPECT_EQ(refusal(withWall(wall + R"(, {"a": [0, 0], "b": [9, 0], "a": [1, 0], "height_class": "red"})")),
+              "walls[1].a: is there twice, expected it once");
+    EXPECT_EQ(refusal(R"({"format": "vh-sketch/1", "table": {"diameter": 42, "diameter": 24}})"),
+              "table.diameter: is there twice, expected it once");
+}
+
 TEST_F(SketchFile, the_documented_one_is_a_room) {
     const Sketch sketch = read(heliodon::test::documentedFile("vh-sketch/1"));
     EXPECT_TRUE(sketch.unknownFields.empty());
