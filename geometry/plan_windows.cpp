@@ -236,10 +236,14 @@ private:
             for (const Seen& seen : side)
                 for (const Stretch& rest : without(seen.on, shared, kCrossWall))
                     openings_.push_back({&window, {{seen.run, rest}}});
-        if (openings_.size() == before)
-            out_.notes.push_back(
-                {"WINDOW_OUTSIDE",
-                 fmt::format("window {} is where its wall encloses nothing and is ignored", window.id)});
+        if (openings_.size() > before) return;
+        std::erase_if(out_.notes, [&](const PlanNote& other) { // nothing of it was cut to its wall
+            return other.code == "WINDOW_BEYOND_WALL" &&
+                   other.sentence.starts_with(fmt::format("window {} ", window.id));
+        });
+        out_.notes.push_back(
+            {"WINDOW_OUTSIDE",
+             fmt::format("window {} is where its wall encloses nothing and is ignored", window.id)});
     }
 
     // What is left of a stretch outside the shared ones, so far away from them.

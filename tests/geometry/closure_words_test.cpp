@@ -54,6 +54,14 @@ TEST(ClosureWords, a_skylight_of_no_size_is_too_small) {
     EXPECT_EQ(closeSketch(s).report.code, "SKYLIGHT_OUTSIDE");
 }
 
+TEST(ClosureWords, a_window_that_is_left_out_is_not_said_to_be_cut) {
+    Sketch s = square(12, 10);
+    s.walls[0].b = {60, 0};
+    s.windows = {heliodon::test::window("w1", "s", 30, 5)};
+    EXPECT_EQ(closeSketch(s).report.message, "1 room; wall s reaches beyond the table; window w1 is where "
+                                             "its wall encloses nothing and is ignored");
+}
+
 TEST(ClosureWords, of_classes_with_as_much_wall_the_higher_one_has_the_ceiling) {
     for (const double more : {0.0, 0.0005, -0.0005}) {
         const ClosureReport report = closeSketch(square(12, 12 + more)).report;
