@@ -11,14 +11,14 @@
 
 #include "geometry/disjoint_sets.h"
 #include "geometry/face_soup.h"
+#include "geometry/floors.h"
 
 namespace heliodon::geometry {
 
 namespace {
 
-constexpr double kWalkable = 0.98; // of the normal's rise: ramps up to 11 degrees
-constexpr double kLevel = 0.7;     // panes nearer to level than to upright are skylights'
-constexpr double kBend = 0.8;      // cosine of the turn, 37 degrees, that facets of one pane may make
+constexpr double kLevel = 0.7; // panes nearer to level than to upright are skylights'
+constexpr double kBend = 0.8;  // cosine of the turn, 37 degrees, that facets of one pane may make
 
 size_t roomCount(const PatchMesh& mesh) {
     return mesh.room.empty() ? 0 : 1 + *std::ranges::max_element(mesh.room);
@@ -26,63 +26,51 @@ size_t roomCount(const PatchMesh& mesh) {
 
 class RoomMeasurer {
 public:
-    RoomMeasurer(const PatchMesh& mesh, double step)
-        : mesh_(mesh), step_(step), shells_(mesh.vertices.size()), volume_(mesh.vertices.size(), 0) {
-        for (size_t i = 0; i < mesh.patchCount(); ++i)
-            for (const uint32_t v : mesh.patch(i)) shells_.join(v, mesh.patch(i)[0]);
-        for (size_t i = 0; i < mesh.patchCount(); ++i) // normals point into the air
-            volume_[shellOf(i)] -= glm::dot(patchAreaVector(mesh, i), patchCentroid(mesh, i)) / 6;
+    explicit RoomMeasurer(const PatchMesh& mesh) : mesh_(mesh), shells_(mesh) {
         rooms_.resize(roomCount(mesh));
     }
 
-    std::vector<RoomMeasures> measure() {
+    std::vector<RoomMeasures> measure(double worldPerBuilding) {
         measureVolumes();
-        measureFloors();
+        measureSurfaces();
+        measureFloors(findFloors(mesh_, worldPerBuilding));
         countElements();
         return std::move(rooms_);
     }
 
 private:
-    uint32_t shellOf(size_t patch) { return shells_.root(mesh_.patch(patch)[0]); }
-
     void measureVolumes() {
         std::set<std::pair<uint32_t, uint32_t>> seen;
         for (size_t i = 0; i < mesh_.patchCount(); ++i)
-            if (seen.insert({mesh_.room[i], shellOf(i)}).second)
-                rooms_[mesh_.room[i]].volume += volume_[shellOf(i)];
+            if (seen.insert({mesh_.room[i], shells_.of(i)}).second)
+                rooms_[mesh_.room[i]].volume += shells_.volume(i);
     }
 
-    void measureFloors() {
-        struct Floor {
-            double low, high, area;
-        };
-        std::vector<std::vector<Floor>> floors(rooms_.size());
-        std::vector<double> top(rooms_.size(), -std::numeric_limits<double>::infinity());
+    void measureSurfaces() {
         for (size_t i = 0; i < mesh_.patchCount(); ++i) {
-            double low = std::numeric_limits<double>::infinity(), high = -low;
-            for (const uint32_t v : mesh_.patch(i)) {
-                low = std::min(low, mesh_.vertices[v].y);
-                high = std::max(high, mesh_.vertices[v].y);
-            }
-            top[mesh_.room[i]] = std::max(top[mesh_.room[i]], high);
             rooms_[mesh_.room[i]].surface += patchArea(mesh_, i);
             if (mesh_.materials[mesh_.material[i]].isOpening())
                 rooms_[mesh_.room[i]].openings += patchArea(mesh_, i);
-            // What stands free in a room encloses its own inside.
-            if (patchNormal(mesh_, i).y > kWalkable && volume_[shellOf(i)] > 0)
-                floors[mesh_.room[i]].push_back({low, high, patchArea(mesh_, i)});
         }
-        for (size_t r = 0; r < rooms_.size(); ++r) {
-            std::ranges::stable_sort(floors[r], {}, &Floor::low);
-            if (floors[r].empty()) continue;
-            rooms_[r].height = top[r] - floors[r][0].low;
-            double reached = floors[r][0].low;
-            for (const Floor& floor : floors[r]) {
-                if (floor.low > reached + step_) break;
-                reached = std::max(reached, floor.high);
-                rooms_[r].floorArea += floor.area;
+    }
+
+    void measureFloors(const Floors& floors) {
+        constexpr double kInfinite = std::numeric_limits<double>::infinity();
+        std::vector<double> top(rooms_.size(), -kInfinite), bottom(rooms_.size(), kInfinite);
+        for (size_t i = 0; i < mesh_.patchCount(); ++i)
+            for (const uint32_t v : mesh_.patch(i))
+                top[mesh_.room[i]] = std::max(top[mesh_.room[i]], mesh_.vertices[v].y);
+        for (const size_t i : floors.lowest) {
+            rooms_[mesh_.room[i]].floorArea += patchArea(mesh_, i);
+            for (const uint32_t v : mesh_.patch(i))
+                bottom[mesh_.room[i]] = std::min(bottom[mesh_.room[i]], mesh_.vertices[v].y);
+        }
+        for (const size_t i : floors.upper) rooms_[mesh_.room[i]].upperFloor += patchArea(mesh_, i);
+        for (size_t r = 0; r < rooms_.size(); ++r)
+            if (rooms_[r].floorArea > 0) {
+                rooms_[r].height = top[r] - bottom[r];
+                rooms_[r].floorArea += rooms_[r].upperFloor;
             }
-        }
     }
 
     void countElements() {
@@ -102,9 +90,7 @@ private:
     }
 
     const PatchMesh& mesh_;
-    double step_;
-    DisjointSets shells_;
-    std::vector<double> volume_; // that a shell encloses, by its root
+    Shells shells_;
     std::vector<RoomMeasures> rooms_;
 };
 
@@ -148,11 +134,11 @@ bool isLikeInsideOfWalls(const RoomMeasures& room, double worldPerBuilding) {
 
 bool isLikeFloorAndWalls(const RoomMeasures& room) {
     constexpr double kFilled = 0.45;
-    return room.openings == 0 && room.volume < kFilled * room.floorArea * room.height;
+    return room.openings == 0 && room.volume < kFilled * (room.floorArea - room.upperFloor) * room.height;
 }
 
-std::vector<RoomMeasures> measureRooms(const PatchMesh& own, double step) {
-    return RoomMeasurer(own, step).measure();
+std::vector<RoomMeasures> measureRooms(const PatchMesh& own, double worldPerBuilding) {
+    return RoomMeasurer(own).measure(worldPerBuilding);
 }
 
 VolumeError worstVolumeError(const PatchMesh& own, const PatchMesh& mesh) {

@@ -9,7 +9,8 @@
 namespace heliodon::geometry {
 
 struct RoomMeasures {
-    double floorArea = 0; // square metres; see measureRooms()
+    double floorArea = 0;  // square metres; see findFloors()
+    double upperFloor = 0; // of this, storeys and galleries over others
     double volume = 0;    // cubic metres
     double surface = 0;   // square metres, of all that bounds it
     double openings = 0;  // of these, glass and open holes
@@ -26,17 +27,14 @@ struct PaneCount {
 // The building's own faces in triangles.
 PatchMesh ownTriangles(const Building& building);
 
-// One entry a room; `own`: ownTriangles(). Floor is what one can walk on: level faces and ramps of the
-// shell that encloses the room (things that stand free in it have no floor), the lowest ones and all that
-// rise by no more than `step` metres over what is reached already; so the tops of tables, partitions and
-// shelves are none, while those of stairs and low platforms are.
-std::vector<RoomMeasures> measureRooms(const PatchMesh& own, double step = 0.25);
+// One entry a room; `own`: ownTriangles().
+std::vector<RoomMeasures> measureRooms(const PatchMesh& own, double worldPerBuilding = 1);
 
 // Twice its volume over its surface, metres: as deep as a thin room is.
 double meanDepth(const RoomMeasures& room);
 // As thin as walls are (`worldPerBuilding` world metres a metre of building), and not between two panes.
 bool isLikeInsideOfWalls(const RoomMeasures& room, double worldPerBuilding);
-// Much less than what is over its floor up to its highest point, as of a floor and walls with a thickness
+// Much less than what is over its lowest floor up to its highest point, as of a floor and walls with a thickness
 // drawn as one body; more than under a roof that comes down to the floor.
 bool isLikeFloorAndWalls(const RoomMeasures& room);
 

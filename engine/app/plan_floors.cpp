@@ -12,40 +12,49 @@
 #include <glm/geometric.hpp>
 
 #include "compute/lighting.h"
+#include "geometry/floors.h"
 
 namespace heliodon::app {
 
 namespace {
 
-// What looks up so far above the rest of its room is a floor of its own, as a gallery: building metres.
-constexpr double kHeadroom = 2.4;
+// Building metres: what looks up so far above the rest of its room is a floor of its own, and upper floor
+// (geometry/floors.h) that lies so far above the last.
+constexpr double kApart = 2.4, kHeadroom = 2;
 constexpr double kOnFloor = 1e-6; // world metres below a floor that a sensor on it may be by rounding
 
-using Patches = std::vector<size_t>;
+struct Level {
+    std::vector<size_t> patches; // that look up, of one room, from the lowest
+    bool isUpper;                // whether upper floor begins it
+};
 
-// Patches that look up, by room and from the lowest, apart where a person stands between.
-std::vector<Patches> levelsOf(const geometry::PatchMesh& mesh, double headroom) {
+// Apart where a person stands between.
+std::vector<Level> levelsOf(const geometry::PatchMesh& mesh, double worldPerBuilding) {
     std::map<uint32_t, std::vector<std::pair<double, size_t>>> rooms;
     for (size_t i = 0; i < mesh.patchCount(); ++i)
         if (geometry::patchNormal(mesh, i).y > 0.5)
             rooms[mesh.room[i]].emplace_back(geometry::patchCentroid(mesh, i).y, i);
-    std::vector<Patches> levels;
+    std::vector<bool> isUpper(mesh.patchCount());
+    for (const size_t i : geometry::findFloors(mesh, worldPerBuilding).upper) isUpper[i] = true;
+    std::vector<Level> levels;
     for (auto& [room, patches] : rooms) {
         std::ranges::sort(patches);
-        double last = -1e300;
+        double first = 0, last = -1e300;
         for (const auto& [height, patch] : patches) {
-            if (height - last > headroom) levels.emplace_back();
-            levels.back().push_back(patch), last = height;
+            const bool begins = isUpper[patch] && height - first > kHeadroom * worldPerBuilding;
+            if (height - last > kApart * worldPerBuilding || begins)
+                levels.push_back({{}, isUpper[patch]}), first = height;
+            levels.back().patches.push_back(patch), last = height;
         }
     }
     return levels;
 }
 
-std::vector<PlanFloor> floorsOf(const geometry::PatchMesh& mesh, const std::vector<Patches>& levels) {
+std::vector<PlanFloor> floorsOf(const geometry::PatchMesh& mesh, const std::vector<Level>& levels) {
     std::vector<PlanFloor> floors;
-    for (const Patches& level : levels)
-        floors.push_back({mesh.room[level[0]], geometry::patchCentroid(mesh, level[0]).y, level,
-                          FloorCells(mesh, level), borders(mesh, level)});
+    for (const auto& [patches, isUpper] : levels)
+        floors.push_back({mesh.room[patches[0]], geometry::patchCentroid(mesh, patches[0]).y, patches,
+                          FloorCells(mesh, patches), borders(mesh, patches)});
     return floors;
 }
 
@@ -60,9 +69,10 @@ size_t floorBelow(const std::vector<PlanFloor>& floors, glm::dvec3 p) {
     return best;
 }
 
-// What a plan shows as floor: not the tops of walls that no sensor stands above, nor galleries without any.
-std::vector<Patches> levelsShown(const geometry::PatchMesh& mesh, const PlanValues& given,
-                                 std::vector<Patches> levels) {
+// What a plan shows as floor: not the tops of walls that no sensor stands above, nor galleries without any
+// where there are sensors.
+std::vector<Level> levelsShown(const geometry::PatchMesh& mesh, const PlanValues& given,
+                               std::vector<Level> levels) {
     const std::vector<PlanFloor> floors = floorsOf(mesh, levels);
     double above = -1e300; // its floor, of the sensor that stands highest over one
     std::vector<bool> used(floors.size());
@@ -72,11 +82,12 @@ std::vector<Patches> levelsShown(const geometry::PatchMesh& mesh, const PlanValu
         if (f == floors.size()) continue;
         used[f] = true, above = std::max(above, given.points[s].y - floors[f].height);
     }
-    std::vector<Patches> shown;
+    std::vector<Level> shown;
     for (size_t f = 0; f < floors.size(); ++f) {
-        if (!used[f] && f > 0 && floors[f].room == floors[f - 1].room) continue;
+        const bool isStorey = levels[f].isUpper && given.points.empty();
+        if (!used[f] && !isStorey && f > 0 && floors[f].room == floors[f - 1].room) continue;
         if (!given.points.empty())
-            std::erase_if(levels[f], [&](size_t i) {
+            std::erase_if(levels[f].patches, [&](size_t i) {
                 return geometry::patchCentroid(mesh, i).y > floors[f].height + std::max(above, 0.0);
             });
         shown.push_back(std::move(levels[f]));
@@ -105,10 +116,10 @@ void sortIn(const PlanValues& given, std::vector<PlanFloor>& floors) {
 
 // Storeys of floors with these patches, from the lowest; those without a sensor are left out where others
 // have some.
-void findStoreys(const geometry::PatchMesh& mesh, const std::vector<Patches>& levels,
+void findStoreys(const geometry::PatchMesh& mesh, const std::vector<Level>& levels,
                  std::vector<PlanFloor>& floors) {
     const auto liesOver = [&](size_t a, size_t b) {
-        return std::ranges::any_of(levels[a], [&](size_t i) {
+        return std::ranges::any_of(levels[a].patches, [&](size_t i) {
             return floors[b].cells.covers(flat(geometry::patchCentroid(mesh, i)));
         });
     };
@@ -147,7 +158,7 @@ void findStoreys(const geometry::PatchMesh& mesh, const std::vector<Patches>& le
 
 // An opening belongs to the highest floor of its room below its middle, else to the lowest.
 void findOpenings(const geometry::PatchMesh& mesh, std::vector<PlanFloor>& floors) {
-    std::vector<Patches> openings(floors.size());
+    std::vector<std::vector<size_t>> openings(floors.size());
     for (size_t i = 0; i < mesh.patchCount(); ++i) {
         if (!mesh.materials[mesh.material[i]].isOpening()) continue;
         const double middle = geometry::patchCentroid(mesh, i).y;
@@ -257,8 +268,7 @@ Edges borders(const geometry::PatchMesh& mesh, const std::vector<size_t>& patche
 
 std::vector<PlanFloor> planFloors(const Scene& scene, const PlanValues& given) {
     const geometry::PatchMesh& mesh = scene.mesh;
-    const std::vector<Patches> levels =
-        levelsShown(mesh, given, levelsOf(mesh, kHeadroom * scene.worldPerBuilding));
+    const std::vector<Level> levels = levelsShown(mesh, given, levelsOf(mesh, scene.worldPerBuilding));
     std::vector<PlanFloor> floors = floorsOf(mesh, levels);
     sortIn(given, floors);
     findStoreys(mesh, levels, floors);

@@ -11,8 +11,10 @@
 #include "engine/app/blinds.h"
 #include "engine/app/interrupt.h"
 #include "engine/app/model_hints.h"
+#include "engine/app/work_plane.h"
 #include "geometry/bounds.h"
 #include "geometry/counted.h"
+#include "geometry/floors.h"
 #include "geometry/input_error.h"
 #include "geometry/lower_case.h"
 #include "geometry/mesher.h"
@@ -86,10 +88,9 @@ void reportClosure(Run& run, const geometry::ClosureReport& closure) {
 
 // The same fields for a model: importModel has proven its rooms closed, or refused.
 void reportImport(Run& run, const geometry::PatchMesh& mesh, const geometry::Building& building,
-                  const geometry::PatchMesh& own, double worldPerBuilding) {
-    constexpr double kStep = 0.25; // metres: more is no floor
+                  const geometry::PatchMesh& own, double worldPerBuilding, geometry::UpAxis up) {
     const double foot = geometry::kMetresPerFoot * worldPerBuilding;
-    const std::vector<geometry::RoomMeasures> rooms = geometry::measureRooms(own, kStep * worldPerBuilding);
+    const std::vector<geometry::RoomMeasures> rooms = geometry::measureRooms(own, worldPerBuilding);
     json& report = run.report();
     report["outcome"] = "ok";
     report["code"] = "OK";
@@ -117,6 +118,12 @@ void reportImport(Run& run, const geometry::PatchMesh& mesh, const geometry::Bui
                 "bound the air of its rooms",
                 r, rooms[r].volume / rooms[r].floorArea / worldPerBuilding,
                 rooms[r].height / worldPerBuilding));
+    for (const size_t i : geometry::findFloors(own, worldPerBuilding).undecided) {
+        const glm::dvec3 p = modelFromWorld(geometry::patchCentroid(own, i), up);
+        run.warn(fmt::format("what lies level at ({:.4g}, {:.4g}, {:.4g}) in room {} may be a gallery or the "
+                             "top of a cupboard: taken as no floor",
+                             p.x, p.y, p.z, own.room[i]));
+    }
     for (const geometry::RoomMeasures& room : rooms)
         report["rooms"].push_back({{"floor_area", room.floorArea / (foot * foot)},
                                    {"volume", room.volume / (foot * foot * foot)},
@@ -414,7 +421,7 @@ Scene makeScene(Run& run, const SceneArguments& arguments, std::optional<geometr
     }
     const geometry::PatchMesh own = geometry::ownTriangles(building);
     if (!scene.sketch) {
-        reportImport(run, scene.mesh, building, own, scene.worldPerBuilding);
+        reportImport(run, scene.mesh, building, own, scene.worldPerBuilding, scene.up);
         warnOfLying(run, scene.mesh, scene.worldPerBuilding, scene.up);
     }
     reportMesh(run, own, scene.mesh);

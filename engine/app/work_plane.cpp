@@ -6,6 +6,8 @@
 #include <fmt/format.h>
 #include <glm/geometric.hpp>
 
+#include "geometry/floors.h"
+
 namespace heliodon::app {
 
 namespace {
@@ -16,24 +18,10 @@ constexpr double kInside = 1e-9; // of the extent, when a point lies on an edge 
 struct Room {
     glm::dvec3 low{1e300}, high{-1e300};
     std::vector<size_t> patches; // that a vertical line can cross
+    std::vector<size_t> upper;   // of these, floor of storeys over others
 };
 
-// Height at which a vertical line crosses a patch; NaN beside it.
-double heightAt(const geometry::PatchMesh& mesh, size_t i, double x, double z, double slack) {
-    const auto corners = mesh.patch(i);
-    const glm::dvec3 normal = geometry::patchNormal(mesh, i);
-    const double sign = normal.y > 0 ? 1 : -1;
-    for (size_t k = 0; k < corners.size(); ++k) {
-        const glm::dvec3 a = mesh.vertices[corners[k]], b = mesh.vertices[corners[(k + 1) % corners.size()]];
-        // Seen from above x is right and z down: counter-clockwise about +y.
-        const double side = (b.z - a.z) * (x - a.x) - (b.x - a.x) * (z - a.z);
-        if (sign * side < -slack) return std::nan("");
-    }
-    const glm::dvec3 p = mesh.vertices[corners[0]];
-    return p.y - (normal.x * (x - p.x) + normal.z * (z - p.z)) / normal.y;
-}
-
-std::vector<Room> roomsOf(const geometry::PatchMesh& mesh) {
+std::vector<Room> roomsOf(const geometry::PatchMesh& mesh, double worldPerBuilding) {
     std::vector<Room> rooms;
     for (size_t i = 0; i < mesh.patchCount(); ++i) {
         if (mesh.room[i] >= rooms.size()) rooms.resize(mesh.room[i] + 1);
@@ -44,40 +32,54 @@ std::vector<Room> roomsOf(const geometry::PatchMesh& mesh) {
         }
         if (std::abs(geometry::patchNormal(mesh, i).y) > 1e-6) room.patches.push_back(i);
     }
+    for (const size_t i : geometry::findFloors(mesh, worldPerBuilding).upper)
+        rooms[mesh.room[i]].upper.push_back(i);
     return rooms;
 }
 
-// The work plane's point over (x, z) of a room, if there is one.
-bool pointOver(const geometry::PatchMesh& mesh, const Room& room, double x, double z, double height,
-               double step, glm::dvec3& point) {
+// Heights of a room's floors over (x, z), from the lowest; the first is NaN where there is only upper floor.
+std::vector<double> floorsAt(const geometry::PatchMesh& mesh, const Room& room, double x, double z,
+                             double step) {
     const glm::dvec3 extent = room.high - room.low;
     const double slack = kInside * (extent.x + extent.z) * (extent.x + extent.z);
-    double floor = std::nan("");
+    std::vector<double> floors{std::nan("")};
     for (size_t i : room.patches) {
         if (geometry::patchNormal(mesh, i).y < 0.9) continue;
-        const double h = heightAt(mesh, i, x, z, slack);
-        if (h <= room.low.y + step && !(h >= floor)) floor = h;
+        const double h = geometry::heightAt(mesh, i, x, z, slack);
+        if (h <= room.low.y + step && !(h >= floors[0])) floors[0] = h;
     }
-    if (std::isnan(floor)) return false;
-    const double clear = 1e-6 * extent.y;
-    for (size_t i : room.patches) {
-        const double h = heightAt(mesh, i, x, z, slack);
-        if (h > floor + clear && h <= floor + height + clear) return false;
-    }
-    point = {x, floor + height, z};
-    return true;
+    for (size_t i : room.upper)
+        if (const double h = geometry::heightAt(mesh, i, x, z, slack); !std::isnan(h)) floors.push_back(h);
+    std::sort(floors.begin() + 1, floors.end());
+    // An edge lies on two patches.
+    floors.erase(
+        std::unique(floors.begin() + 1, floors.end(), [&](double a, double b) { return b < a + step; }),
+        floors.end());
+    return floors;
+}
+
+bool isFreeOver(const geometry::PatchMesh& mesh, const Room& room, double x, double z, double floor,
+                double height) {
+    const glm::dvec3 extent = room.high - room.low;
+    const double slack = kInside * (extent.x + extent.z) * (extent.x + extent.z), clear = 1e-6 * extent.y;
+    return std::ranges::none_of(room.patches, [&](size_t i) {
+        const double h = geometry::heightAt(mesh, i, x, z, slack);
+        return h > floor + clear && h <= floor + height + clear;
+    });
 }
 
 std::vector<glm::dvec3> gridPoints(const geometry::PatchMesh& mesh, const std::vector<Room>& rooms,
                                    const WorkPlane& plane) {
     std::vector<glm::dvec3> points;
     const double spacing = plane.spacing * plane.worldPerBuilding;
+    const double height = plane.height * plane.worldPerBuilding;
     for (const Room& room : rooms) {
         const glm::dvec3 extent = room.high - room.low;
         const auto cells = [&](double length) {
             return static_cast<size_t>(std::max(1.0, std::round(length / spacing)));
         };
         const size_t nx = cells(extent.x), nz = cells(extent.z);
+        std::vector<std::vector<glm::dvec3>> storeys; // of the room, from the lowest
         for (size_t j = 0; j < nz; ++j)
             for (size_t k = 0; k < nx; ++k) {
                 // Rows from the top of the plan down. A hair off the middle: seldom above an edge of the
@@ -86,11 +88,13 @@ std::vector<glm::dvec3> gridPoints(const geometry::PatchMesh& mesh, const std::v
                     room.low.x + extent.x * (static_cast<double>(k) + 0.5) / static_cast<double>(nx);
                 const double z =
                     room.low.z + extent.z * (static_cast<double>(j) + 0.5) / static_cast<double>(nz);
-                glm::dvec3 point;
-                if (pointOver(mesh, room, x, z, plane.height * plane.worldPerBuilding,
-                              kStep * plane.worldPerBuilding, point))
-                    points.push_back(point);
+                const std::vector<double> floors = floorsAt(mesh, room, x, z, kStep * plane.worldPerBuilding);
+                storeys.resize(std::max(storeys.size(), floors.size()));
+                for (size_t f = 0; f < floors.size(); ++f)
+                    if (!std::isnan(floors[f]) && isFreeOver(mesh, room, x, z, floors[f], height))
+                        storeys[f].emplace_back(x, floors[f] + height, z);
             }
+        for (const auto& storey : storeys) points.insert(points.end(), storey.begin(), storey.end());
     }
     return points;
 }
@@ -106,7 +110,7 @@ std::string WorkPlane::inWords() const {
 }
 
 SensorTable workPlaneSensors(const geometry::PatchMesh& mesh, geometry::UpAxis up, WorkPlane plane) {
-    const std::vector<Room> rooms = roomsOf(mesh);
+    const std::vector<Room> rooms = roomsOf(mesh, plane.worldPerBuilding);
     double area = 0;
     for (const Room& room : rooms)
         for (size_t i : room.patches) area += std::max(0.0, 0.5 * geometry::patchAreaVector(mesh, i).y);

@@ -1,5 +1,6 @@
 // `heliodon model --plan`: what was understood of a sketch, or why it was refused, as a picture.
 #include "tests/app/program.h"
+#include "tests/geometry/box_model.h"
 
 namespace heliodon::test {
 namespace {
@@ -40,6 +41,17 @@ TEST_F(RoomPlan, shows_rooms_of_models) {
     ASSERT_EQ(again.exitCode, 0) << again.output;
     EXPECT_TRUE(shows(">room 0<"));
     EXPECT_FALSE(shows(">w1<"));
+}
+
+TEST_F(RoomPlan, shows_galleries_beside_what_is_below_them) {
+    BoxModel room(5);
+    room.add({0, 2.5, 0}, {3, 2.8, 3});
+    writeText(folder / "hall.obj", room.text());
+    const Outcome made =
+        heliodon("model " + in("hall.obj") + " --quiet --plan " + in("plan.svg") + " -o " + in("again.obj"));
+    ASSERT_EQ(made.exitCode, 0) << made.output;
+    EXPECT_TRUE(shows("floors from 0.00 m"));
+    EXPECT_TRUE(shows("floors from 2.80 m"));
 }
 
 TEST_F(RoomPlan, shows_what_is_refused) {
