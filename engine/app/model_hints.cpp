@@ -61,10 +61,11 @@ std::string signOfLying(const geometry::PatchMesh& mesh, double worldPerBuilding
     constexpr double kLevel = 0.5;             // of a normal's height
     constexpr double kMost = 0.9, kSome = 0.1; // of the area
     const auto height = [&](size_t i) { return geometry::patchNormal(mesh, i).y; };
-    if (mostly(
-            mesh, kMost, [&](size_t i) { return isLevelByName(mesh.materials[mesh.material[i]].name); },
-            [&](size_t i) { return std::abs(height(i)) < kLevel; }))
+    const auto isNamed = [&](size_t i) { return isLevelByName(mesh.materials[mesh.material[i]].name); };
+    if (mostly(mesh, kMost, isNamed, [&](size_t i) { return std::abs(height(i)) < kLevel; }))
         return "the model's floors and ceilings stand upright";
+    const bool isNamedLevel =
+        mostly(mesh, kMost, isNamed, [&](size_t i) { return std::abs(height(i)) > kLevel; });
     if (mostly(
             mesh, kSome,
             [&](size_t i) {
@@ -73,7 +74,7 @@ std::string signOfLying(const geometry::PatchMesh& mesh, double worldPerBuilding
             [&](size_t i) { return height(i) > kLevel; }))
         return "windows of the model lie in its floor";
     if (const geometry::Bounds box = geometry::boundsOf(mesh.vertices);
-        isStoreyOnItsSide(box, worldPerBuilding))
+        !isNamedLevel && isStoreyOnItsSide(box, worldPerBuilding))
         return fmt::format("the model is {:.1f} m high and {:.1f} m deep",
                            (box.high.y - box.low.y) / worldPerBuilding,
                            std::min(box.high.x - box.low.x, box.high.z - box.low.z) / worldPerBuilding);

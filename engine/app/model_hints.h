@@ -15,7 +15,8 @@ namespace heliodon::app {
 double modelScale(Run& run, const std::optional<double>& given, const geometry::Building& building);
 
 // Warns where floors and ceilings, by name, stand upright, windows lie in a floor, or the model has the size
-// of a storey on its side: the file may have another axis up than `up`.
+// of a storey on its side and no floors and ceilings, by name, that say otherwise: the file may have another
+// axis up than `up`.
 void warnOfLying(Run& run, const geometry::PatchMesh& mesh, double worldPerBuilding, geometry::UpAxis up);
 
 } // namespace heliodon::app

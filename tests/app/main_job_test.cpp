@@ -129,15 +129,22 @@ TEST_F(MainJob, a_sketch_without_an_arrow_is_said_to_have_its_north_assumed) {
 }
 
 TEST_F(MainJob, a_model_on_its_side_or_in_other_units_is_said_to_seem_so) {
-    const auto saidOf = [&](const char* corners) {
-        std::ofstream(in("box.obj")) << corners
-                                     << "f 1 2 3 4\nf 8 7 6 5\nf 1 5 6 2\nf 2 6 7 3\nf 3 7 8 4\nf 4 8 5 1\n";
+    const char* const box = "f 1 2 3 4\nf 8 7 6 5\nf 1 5 6 2\nf 2 6 7 3\nf 3 7 8 4\nf 4 8 5 1\n";
+    const auto saidOf = [&](const char* corners, const char* faces = nullptr) {
+        std::ofstream(in("box.obj")) << corners << (faces ? faces : box);
         run("model " + in("box.obj") + " --triangles 100 -o " + in("m.obj") + " --report " + in("r.json"));
         return report("r.json")["assumed"].get<std::string>() + report("r.json")["warnings"].dump();
     };
     const std::string lying =
         saidOf("v 0 0 0\nv 8 0 0\nv 8 6 0\nv 0 6 0\nv 0 0 3\nv 8 0 3\nv 8 6 3\nv 0 6 3\n");
     EXPECT_NE(lying.find("is it --up z?"), std::string::npos) << lying;
+    // Of two storeys a floor by name says that they stand.
+    std::ofstream(in("box.mtl")) << "newmtl Floor\nKd .3 .3 .3\nnewmtl wall\nKd .5 .5 .5\n";
+    const std::string standing =
+        saidOf("mtllib box.mtl\nv 0 0 0\nv 8 0 0\nv 8 6 0\nv 0 6 0\nv 0 0 3\nv 8 0 3\nv 8 6 3\nv 0 6 3\n"
+               "usemtl Floor\nf 1 5 6 2\nusemtl wall\n",
+               "f 1 2 3 4\nf 8 7 6 5\nf 2 6 7 3\nf 3 7 8 4\nf 4 8 5 1\n");
+    EXPECT_EQ(standing.find("is it --up"), std::string::npos) << standing;
     const std::string feet =
         saidOf("v 0 0 0\nv 16 0 0\nv 16 9 0\nv 0 9 0\nv 0 0 14\nv 16 0 14\nv 16 9 14\nv 0 9 14\n");
     EXPECT_NE(feet.find("in feet give --model-scale 0.3048"), std::string::npos) << feet;
