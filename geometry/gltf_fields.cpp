@@ -51,6 +51,7 @@ constexpr Field kFields[] = {
     {"materials.*.alphaMode", Kind::text},
     {"materials.*.emissiveFactor.*", Kind::number},
     {"materials.*.pbrMetallicRoughness.baseColorFactor.*", Kind::number},
+    {"materials.*.extensions.KHR_materials_pbrSpecularGlossiness.diffuseFactor.*", Kind::number},
     {"materials.*.extensions.KHR_materials_transmission.transmissionFactor", Kind::number},
     {"materials.*.extensions.KHR_materials_ior.ior", Kind::number},
     {"materials.*.extensions.KHR_materials_emissive_strength.emissiveStrength", Kind::number},

@@ -39,8 +39,26 @@ double extensionNumber(const tinygltf::Material& material, const char* extension
     return found->second.Get(field).GetNumberAsDouble();
 }
 
-bool hasColour(const tinygltf::Material& in) {
-    return in.values.contains("baseColorFactor"); // else the loader fills in the default
+constexpr const char* kSpecularGlossiness = "KHR_materials_pbrSpecularGlossiness";
+
+// The same as the base colour of a material that has no metal, in older files.
+const tinygltf::Value* diffuse(const tinygltf::Material& in, const char* field) {
+    const auto found = in.extensions.find(kSpecularGlossiness);
+    return found != in.extensions.end() && found->second.Has(field) ? &found->second.Get(field) : nullptr;
+}
+
+bool hasColour(const tinygltf::Material& in) { // else the loader fills in the default
+    return in.values.contains("baseColorFactor") || diffuse(in, "diffuseFactor");
+}
+
+// Red, green, blue and opacity.
+std::vector<double> colourOf(const tinygltf::Material& in) {
+    const tinygltf::Value* stated = diffuse(in, "diffuseFactor");
+    if (!stated) return in.pbrMetallicRoughness.baseColorFactor;
+    std::vector<double> colour;
+    for (size_t c = 0; c < stated->ArrayLen(); ++c)
+        colour.push_back(stated->Get(static_cast<int>(c)).GetNumberAsDouble());
+    return colour;
 }
 
 // What is transmitted is tinted by the base colour, the rest of it is reflected.
@@ -49,7 +67,7 @@ constexpr MaterialFields kFields{"baseColorFactor", "transmissionFactor", "emiss
 Material materialOf(const tinygltf::Material& in) {
     Material out;
     out.name = in.name;
-    const std::vector<double>& base = in.pbrMetallicRoughness.baseColorFactor;
+    const std::vector<double> base = colourOf(in);
     const double transmission = extensionNumber(in, "KHR_materials_transmission", "transmissionFactor", 0);
     const double strength = extensionNumber(in, "KHR_materials_emissive_strength", "emissiveStrength", 1);
     for (int c = 0; c < 3; ++c) {
@@ -124,11 +142,17 @@ public:
                     fmt::format("material \"{}\" has no baseColorFactor: a reflectance of {} was assumed",
                                 material.name, assumed);
             }
-            if (auto flaw = flawOf(material, kFields, out_.file, fmt::format("materials[{}]", i))) {
+            MaterialFields fields = kFields;
+            if (diffuse(in_.materials[i], "diffuseFactor")) fields.reflectance = "diffuseFactor";
+            if (auto flaw = flawOf(material, fields, out_.file, fmt::format("materials[{}]", i))) {
                 flaw->material = static_cast<uint32_t>(i);
                 out_.flaws.push_back(*flaw);
             }
-            const double opacity = in_.materials[i].pbrMetallicRoughness.baseColorFactor.at(3);
+            if (diffuse(in_.materials[i], "diffuseTexture"))
+                out_.unread[static_cast<uint32_t>(i)] = "diffuseTexture in " + out_.file;
+            else if (in_.materials[i].pbrMetallicRoughness.baseColorTexture.index >= 0)
+                out_.unread[static_cast<uint32_t>(i)] = "baseColorTexture in " + out_.file;
+            const double opacity = colourOf(in_.materials[i]).at(3);
             if (in_.materials[i].alphaMode == "BLEND" && opacity < 1 && !material.isOpening())
                 out_.doubts[static_cast<uint32_t>(i)] =
                     seeThroughButOpaque(material.name, opacity, "KHR_materials_transmission");
@@ -248,10 +272,17 @@ private:
 
     // The loader takes a colour of another length for none.
     void checkColour(size_t i) const {
-        const auto colour = in_.materials[i].values.find("baseColorFactor");
-        if (colour == in_.materials[i].values.end() || colour->second.number_array.size() == 4) return;
-        fail(fmt::format("materials[{}].pbrMetallicRoughness.baseColorFactor", i),
-             fmt::format("has {} numbers, expected 4", colour->second.number_array.size()));
+        const tinygltf::Material& in = in_.materials[i];
+        const auto check = [&](const char* field, size_t count) {
+            if (count != 4)
+                fail(fmt::format("materials[{}].{}", i, field),
+                     fmt::format("has {} numbers, expected 4", count));
+        };
+        const auto base = in.values.find("baseColorFactor");
+        if (base != in.values.end())
+            check("pbrMetallicRoughness.baseColorFactor", base->second.number_array.size());
+        if (const tinygltf::Value* stated = diffuse(in, "diffuseFactor"))
+            check("extensions.KHR_materials_pbrSpecularGlossiness.diffuseFactor", stated->ArrayLen());
     }
 
     // The loader takes lists of any length; a part passed over would place the mesh elsewhere.
@@ -485,6 +516,8 @@ private:
             indices(primitive, place + ".indices", out_.vertices.size() - first), primitive.mode);
         if (corner.size() % 3 != 0) fail(place + ".indices", "do not come in threes");
         const uint32_t material = materialIndex(primitive.material, place);
+        if (primitive.attributes.contains("COLOR_0"))
+            out_.unread.try_emplace(material, "COLOR_0 in " + out_.file);
         // A mirrored node turns its triangles over.
         const bool mirrored = glm::determinant(glm::dmat3(worldFromNode)) < 0;
         out_.groups.push_back(mesh.empty() ? node : mesh);

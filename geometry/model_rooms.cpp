@@ -94,6 +94,15 @@ private:
             if (isUsed(material)) building_.repairs.push_back(assumption);
         for (const auto& [material, doubt] : model_.doubts)
             if (isUsed(material)) building_.warnings.push_back(doubt);
+        std::string unread;
+        for (const auto& [material, what] : model_.unread)
+            if (isUsed(material))
+                unread += fmt::format("{}\"{}\" ({})", unread.empty() ? "" : ", ",
+                                      model_.materials[material].name, what);
+        if (!unread.empty())
+            building_.warnings.push_back("textures and colours of vertices are not read, so what these "
+                                         "materials reflect is uncertain: " +
+                                         unread);
         building_.warnings.insert(building_.warnings.end(), faces_.warnings.begin(), faces_.warnings.end());
         return {std::move(building_), std::move(source_), std::move(sheets_)};
     }

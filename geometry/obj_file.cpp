@@ -101,6 +101,7 @@ struct MaterialDraft {
     Material material;
     std::string place, colourPlace;     // its last line; that of its last Kd or Tf
     std::optional<RawModel::Flaw> flaw; // of the first line with one
+    std::string texture;                // as its line has it
     bool hasKd = false;
     std::optional<double> opacity; // as stated
 
@@ -110,6 +111,12 @@ struct MaterialDraft {
         return material.transmittance == glm::vec3(1) && material.reflectance != glm::vec3(0) && opacity == 1;
     }
 };
+
+// Programs may name one library before each object.
+bool isAlike(const Material& a, const Material& b) {
+    return a.reflectance == b.reflectance && a.transmittance == b.transmittance &&
+           a.refractiveIndex == b.refractiveIndex && a.exitance == b.exitance && a.blind == b.blind;
+}
 
 void finishMaterial(const MaterialDraft& draft, const std::string& file, RawModel& model,
                     MaterialIndex& index) {
@@ -139,6 +146,15 @@ void finishMaterial(const MaterialDraft& draft, const std::string& file, RawMode
             fmt::format("material \"{}\" has blinds but lets no light through (Tf)", material.name));
     if (draft.opacity.value_or(1) < 1 && !material.isOpening())
         model.doubts[number] = seeThroughButOpaque(material.name, *draft.opacity, "transmittance (Tf)");
+    if (!draft.texture.empty()) model.unread[number] = draft.texture;
+    if (const auto before = index.find(material.name);
+        before != index.end() && !isAlike(material, model.materials[before->second])) {
+        std::string& doubt = model.doubts[number];
+        doubt +=
+            fmt::format("{}material \"{}\" is defined again in {}:{}: faces that name it from there on are "
+                        "of that",
+                        doubt.empty() ? "" : "; ", material.name, file, draft.place);
+    }
     index[material.name] = number;
     model.materials.push_back(std::move(material));
 }
@@ -187,6 +203,8 @@ void readMtl(const std::filesystem::path& file, RawModel& model, MaterialIndex& 
             draft->material.refractiveIndex = static_cast<float>(lines.number("a refractive index"));
         } else if ((key == "d" || key == "Tr") && draft) {
             draft->opacity = readOpacity(key == "Tr", lines);
+        } else if (key == "map_Kd" && draft) {
+            draft->texture = fmt::format("map_Kd {} in {}", lines.remainder(), lines.file());
         } else if (key == "blinds") {
             try {
                 draft->material.blind = parseBlind(lines.remainder());

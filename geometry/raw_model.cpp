@@ -230,20 +230,22 @@ void doubtOpaqueGlass(RawModel& model) {
 }
 
 void makeGlass(RawModel& model, const Glazing& glazing) {
-    const auto found = std::ranges::find(model.materials, glazing.material, &Material::name);
-    if (found == model.materials.end()) {
+    if (std::ranges::find(model.materials, glazing.material, &Material::name) == model.materials.end()) {
         std::vector<std::string> names;
         for (const Material& material : model.materials) names.push_back(material.name);
         throw InputError(
             model.file, glazing.material,
             fmt::format("is no material of this model, expected one of {}", fmt::join(names, ", ")));
     }
-    *found = {.name = found->name, .transmittance = glazing.transmittance, .blind = found->blind};
-    const auto number = static_cast<uint32_t>(found - model.materials.begin());
-    model.assumed.erase(number), model.doubts.erase(number);
-    std::erase_if(model.flaws, [&](const RawModel::Flaw& flaw) {
-        return flaw.kind != RawModel::Flaw::Kind::missingFile && flaw.material == number;
-    });
+    for (uint32_t number = 0; number < model.materials.size(); ++number) { // a file may define it twice
+        Material& material = model.materials[number];
+        if (material.name != glazing.material) continue;
+        material = {.name = material.name, .transmittance = glazing.transmittance, .blind = material.blind};
+        model.assumed.erase(number), model.doubts.erase(number), model.unread.erase(number);
+        std::erase_if(model.flaws, [&](const RawModel::Flaw& flaw) {
+            return flaw.kind != RawModel::Flaw::Kind::missingFile && flaw.material == number;
+        });
+    }
 }
 
 // Throws what nothing given mends.

@@ -74,6 +74,8 @@ struct RawModel {
     std::vector<Outside> outside;
     // By material, one sentence each: what the file does not say, and what may have been meant otherwise.
     std::map<uint32_t, std::string> assumed, doubts;
+    // By material, what else colours it in the file and is not read: "map_Kd brick.png", "COLOR_0".
+    std::map<uint32_t, std::string> unread;
     std::vector<std::string> leftOut; // of GivenMaterials::leftOut, one sentence each
     // What keeps materials from being used, in the order of the file, unless GivenMaterials mend it.
     struct Flaw {

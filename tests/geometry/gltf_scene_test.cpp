@@ -280,6 +280,35 @@ TEST(GltfScene, a_material_without_colour_gets_what_it_gets_in_an_obj_and_one_of
     expectRefused(scene, "materials[0].pbrMetallicRoughness.baseColorFactor: has 3 numbers, expected 4");
 }
 
+TEST(GltfScene, colours_that_are_not_read_are_warned_of) {
+    json scene = roomScene(kOneNode);
+    json& primitive = scene["meshes"][0]["primitives"][0];
+    primitive["material"] = 0;
+    const auto expectWarned = [&](const char* what) {
+        const std::vector<std::string> warnings = importModel(written(scene)).warnings;
+        ASSERT_EQ(warnings.size(), 1u) << what;
+        EXPECT_NE(warnings[0].find(fmt::format("\"wall\" ({} in ", what)), std::string::npos) << warnings[0];
+    };
+    scene["materials"] = json::parse(
+        R"([{"name":"wall","pbrMetallicRoughness":{"baseColorFactor":[0.2,0.3,0.4,1],"baseColorTexture":{"index":0}}}])");
+    expectWarned("baseColorTexture");
+    scene["materials"] = json::parse(
+        R"([{"name":"wall","extensions":{"KHR_materials_pbrSpecularGlossiness":{"diffuseFactor":[0.2,0.3,0.4,1],"diffuseTexture":{"index":0}}}}])");
+    expectWarned("diffuseTexture");
+    const Building building = importModel(written(scene));
+    EXPECT_EQ(building.materials[building.faces[0].material].reflectance, glm::vec3(0.2f, 0.3f, 0.4f));
+    EXPECT_TRUE(building.repairs.empty());
+    json& older = scene["materials"][0]["extensions"]["KHR_materials_pbrSpecularGlossiness"];
+    older.erase("diffuseTexture");
+    EXPECT_TRUE(importModel(written(scene)).warnings.empty());
+    primitive["attributes"]["COLOR_0"] = 0;
+    expectWarned("COLOR_0");
+    older["diffuseFactor"] = {1, 1, 1, 1};
+    expectRefused(scene, "reflectance (diffuseFactor) is 1");
+    older["diffuseFactor"] = {0.2, 0.3, 0.4};
+    expectRefused(scene, "diffuseFactor: has 3 numbers, expected 4");
+}
+
 TEST(GltfScene, what_is_said_of_a_buffer_does_not_repeat_it) {
     json scene = roomScene(kOneNode);
     scene["buffers"][0]["byteLength"] = 1000;

@@ -557,3 +557,27 @@ TEST_F(ModelFile, damaged_glb_is_refused_not_read_past_its_end) {
     for (size_t length = 0; length < whole.size(); length += 7)
         EXPECT_THROW(readPatches(write("cut.glb", whole.substr(0, length))), InputError) << length;
 }
+
+TEST_F(ModelFile, materials_with_a_texture_or_two_definitions_are_warned_of) {
+    const std::string box =
+        "v 0 0 0\nv 4 0 0\nv 4 3 0\nv 0 3 0\nv 0 0 5\nv 4 0 5\nv 4 3 5\nv 0 3 5\nusemtl wall\n"
+        "f 1 2 3 4\nf 8 7 6 5\nf 1 5 6 2\nf 2 6 7 3\nf 3 7 8 4\nf 4 8 5 1\n";
+    const std::string mtl = "newmtl wall\nKd 0.6 0.6 0.6\n";
+    const auto warnings = [&](const std::string& libraries) {
+        return importModel(write("m.obj", "mtllib " + libraries + "\n" + box)).warnings;
+    };
+    write("one.mtl", mtl), write("same.mtl", mtl + "newmtl other\nKd 0.1 0.1 0.1\nmap_Kd unused.png\n");
+    EXPECT_TRUE(warnings("one.mtl same.mtl").empty());
+    write("other.mtl", "newmtl wall\nKd 0.1 0.1 0.1\n");
+    std::vector<std::string> said = warnings("one.mtl other.mtl");
+    ASSERT_EQ(said.size(), 1u);
+    EXPECT_NE(said[0].find("material \"wall\" is defined again in "), std::string::npos) << said[0];
+    EXPECT_NE(said[0].find("other.mtl:2"), std::string::npos) << said[0];
+    const Building glass = importModel(write("m.obj", "mtllib one.mtl other.mtl\n" + box), UpAxis::y,
+                                       {.materials = {.glazing = {{"wall", glm::vec3(0.8f)}}}});
+    EXPECT_TRUE(glass.materials[glass.faces[0].material].isOpening());
+    write("one.mtl", mtl + "map_Kd brick.png\n");
+    said = warnings("one.mtl");
+    ASSERT_EQ(said.size(), 1u);
+    EXPECT_NE(said[0].find("\"wall\" (map_Kd brick.png in "), std::string::npos) << said[0];
+}
