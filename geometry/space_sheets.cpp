@@ -35,6 +35,8 @@ using glm::dvec3;
 // off; with the widest those of that cosine are.
 constexpr std::array kCells{0.1, 0.03, 0.01, 0.003};
 constexpr double kReachOfCell = 0.45;
+// Of the tolerance: 2 area / perimeter of a triangle as high as that, and what is as near a line is on it.
+constexpr double kHeightOfThin = 0.5, kOnLine = 1e-3;
 constexpr int32_t kForeign = -1; // tag of edges of faces that only end in the plane
 
 struct Plane {
@@ -77,8 +79,9 @@ public:
             numbered[f].room = 0;
         }
         welded_ = weldFaces(numbered, 1, tolerance_, true);
-        for (const auto& [edge, found] : facesOfEdges(welded_)) {
+        for (auto& [edge, found] : facesOfEdges(welded_)) {
             edges_.push_back(edge);
+            facesAt_.push_back(std::move(found));
             const dvec3 a = welded_.vertices[edge.first], b = welded_.vertices[edge.second];
             edgeBoxes_.push_back({glm::min(a, b), glm::max(a, b)});
         }
@@ -192,11 +195,12 @@ private:
 
     void arrangePlane(const Plane& plane, const std::vector<Edge>& ends) {
         const FlatPlane flat(plane, welded_.vertices);
-        const PlanArrangement map = arrange(segmentsIn(plane, ends, flat));
+        PlanArrangement map = arrange(segmentsIn(plane, ends, flat));
+        const FlatPlane::Corners corners = cornersOf(plane, ends, flat);
+        straighten(map, plane, ends, flat, corners);
         const std::vector<Drawn> drawn = drawnOver(map, plane);
         std::vector<int> labels = cellsOfSheets(map, drawn);
-        absorbThinCells(map, labels, tolerance_);
-        const FlatPlane::Corners corners = cornersOf(plane, ends, flat);
+        absorbThinCells(map, labels, kHeightOfThin * tolerance_);
         for (const PlanRegion& region : traceRegions(map, labels)) {
             Sheet sheet{{}, drawn[static_cast<size_t>(region.label)]};
             for (const auto& halves : region.loops) {
@@ -206,6 +210,49 @@ private:
             }
             sheets_.push_back(std::move(sheet));
         }
+    }
+
+    // Where faces of this plane cross so near an edge of others that welding puts it there, on that edge:
+    // else it would bend those others.
+    void straighten(PlanArrangement& map, const Plane& plane, const std::vector<Edge>& ends,
+                    const FlatPlane& flat, const FlatPlane::Corners& corners) const {
+        std::vector<glm::dvec2*> crossings;
+        for (glm::dvec2& p : map.points)
+            if (!corners.contains({p.x, p.y})) crossings.push_back(&p);
+        if (crossings.empty()) return;
+        std::vector<std::pair<glm::dvec2, glm::dvec2>> lines;
+        for (const Edge& edge : ends) lines.emplace_back(flat(edge.first), flat(edge.second));
+        for (const Edge& edge : edgesWithOthers(plane))
+            lines.emplace_back(flat(edge.first), flat(edge.second));
+        for (glm::dvec2* p : crossings) {
+            double least = tolerance_;
+            glm::dvec2 best = *p;
+            for (const auto& [a, b] : lines) {
+                const glm::dvec2 along = b - a;
+                const double t = glm::dot(*p - a, along) / glm::dot(along, along);
+                const glm::dvec2 on = a + t * along;
+                if (!(t > 0 && t < 1) || glm::length(*p - on) > least) continue;
+                least = glm::length(*p - on);
+                best = on;
+            }
+            if (least > kOnLine * tolerance_) *p = best;
+        }
+    }
+
+    // Edges of the plane's faces in which faces of other planes end, too.
+    std::set<Edge> edgesWithOthers(const Plane& plane) const {
+        std::set<Edge> out;
+        for (const uint32_t f : plane.faces)
+            for (const auto& loop : welded_.faces[f].loops)
+                for (size_t i = 0; i < loop.size(); ++i) {
+                    const Edge edge = std::minmax(loop[i], loop[(i + 1) % loop.size()]);
+                    const auto at = std::ranges::lower_bound(edges_, edge) - edges_.begin();
+                    if (std::ranges::any_of(facesAt_[static_cast<size_t>(at)], [&](uint32_t g) {
+                            return !std::ranges::binary_search(plane.faces, g);
+                        }))
+                        out.insert(edge);
+                }
+        return out;
     }
 
     size_t sideOf(const Face& face, const Plane& plane) const { // 0 turned as the plane, 1 the other way
@@ -275,8 +322,9 @@ private:
     }
 
     double tolerance_;
-    Building welded_; // surface: the given face
-    std::vector<Edge> edges_;
+    Building welded_;         // surface: the given face
+    std::vector<Edge> edges_; // sorted
+    std::vector<std::vector<uint32_t>> facesAt_;
     std::vector<Bounds> edgeBoxes_;
     std::optional<BoxTree> edgeTree_;
     std::vector<Sheet> sheets_;
