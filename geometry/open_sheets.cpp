@@ -37,13 +37,6 @@ std::vector<bool> hangingFaces(const Building& welded) {
     return gone;
 }
 
-SoupFace pieceOf(const SoupFace& face, const Sheet& sheet, size_t turned) {
-    SoupFace out = face;
-    out.loops = sheet.loops;
-    if (turned == 1) turnOver(out);
-    return out;
-}
-
 } // namespace
 
 std::optional<OpenSheets> openSheets(const std::vector<SoupFace>& faces,

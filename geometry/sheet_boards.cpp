@@ -14,6 +14,7 @@
 #include "geometry/bounds.h"
 #include "geometry/box_tree.h"
 #include "geometry/disjoint_sets.h"
+#include "geometry/drawn_once.h"
 #include "geometry/flat_faces.h"
 #include "geometry/model_faces.h"
 #include "geometry/open_sheets.h"
@@ -352,20 +353,6 @@ bool liesIn(const SheetRooms& rooms, const FlatFace& piece, double tolerance) {
     });
 }
 
-// Those with the same corners once, the other's material behind.
-std::vector<SoupFace> drawnOnce(const std::vector<SoupFace>& faces) {
-    std::map<std::vector<std::array<double, 3>>, size_t> known;
-    std::vector<SoupFace> out;
-    for (const SoupFace& face : faces) {
-        const auto [first, isNew] = known.try_emplace(sortedCorners(face), out.size());
-        if (isNew)
-            out.push_back(face);
-        else if (glm::dot(areaVector(out[first->second].loops[0]), areaVector(face.loops[0])) < 0)
-            out[first->second].behind = face.material;
-    }
-    return out;
-}
-
 // A wall's body that lacks a face has others that hang by their edges.
 bool isOfBody(const std::vector<SoupFace>& drawn, const std::set<uint32_t>& sheets, double tolerance) {
     const Building welded = weldedByNumber(drawn, tolerance);
@@ -449,7 +436,7 @@ std::optional<SheetBoards> boardsOf(const std::set<uint32_t>& inRooms, const std
     };
     out.first = out.faces.size();
     const Walls ofWalls = wallsOf(walls), ofAll = wallsOf(out.faces);
-    if (!BoardMaker(drawnOnce(sheets), ofWalls, ofAll, thickness, near, tolerance).make(out.faces))
+    if (!BoardMaker(drawnOnce(sheets, tolerance), ofWalls, ofAll, thickness, near, tolerance).make(out.faces))
         return std::nullopt;
     return out;
 }

@@ -392,6 +392,13 @@ std::vector<Sheet> cutIntoSheets(const std::vector<SoupFace>& faces, double tole
     return memory->cut.get(keyOf(faces, tolerance), cut);
 }
 
+SoupFace pieceOf(const SoupFace& face, const Sheet& sheet, size_t turned) {
+    SoupFace out = face;
+    out.loops = sheet.loops;
+    if (turned == 1) turnOver(out);
+    return out;
+}
+
 Building weldSheets(const std::vector<Sheet>& sheets, double tolerance) {
     const auto weld = [&] {
         std::vector<SoupFace> soup;

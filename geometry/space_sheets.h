@@ -21,6 +21,9 @@ struct Sheet {
 // n^2 where all lie in one plane or in nearly parallel ones.
 std::vector<Sheet> cutIntoSheets(const std::vector<SoupFace>& faces, double tolerance);
 
+// What of a face lies there: as the sheet is turned, or (1) the other way round.
+SoupFace pieceOf(const SoupFace& face, const Sheet& sheet, size_t turned);
+
 // Sheets by common corners; Face::surface: which sheet.
 Building weldSheets(const std::vector<Sheet>& sheets, double tolerance);
 
