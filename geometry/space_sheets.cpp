@@ -220,28 +220,29 @@ private:
         for (glm::dvec2& p : map.points)
             if (!corners.contains({p.x, p.y})) crossings.push_back(&p);
         if (crossings.empty()) return;
-        std::vector<std::pair<glm::dvec2, glm::dvec2>> lines;
-        for (const Edge& edge : ends) lines.emplace_back(flat(edge.first), flat(edge.second));
-        for (const Edge& edge : edgesWithOthers(plane))
-            lines.emplace_back(flat(edge.first), flat(edge.second));
-        for (glm::dvec2* p : crossings) {
-            double least = tolerance_;
-            glm::dvec2 best = *p;
-            for (const auto& [a, b] : lines) {
-                const glm::dvec2 along = b - a;
-                const double t = glm::dot(*p - a, along) / glm::dot(along, along);
-                const glm::dvec2 on = a + t * along;
-                if (!(t > 0 && t < 1) || glm::length(*p - on) > least) continue;
-                least = glm::length(*p - on);
-                best = on;
+        std::vector<Edge> lines = edgesWithOthers(plane);
+        lines.insert(lines.end(), ends.begin(), ends.end());
+        std::vector<std::pair<double, glm::dvec2>> nearest; // per crossing
+        for (const glm::dvec2* p : crossings) nearest.emplace_back(tolerance_, *p);
+        for (const Edge& line : lines) {
+            const glm::dvec2 a = flat(line.first), b = flat(line.second);
+            const double length = glm::length(b - a);
+            const glm::dvec2 along = (b - a) / length;
+            for (size_t k = 0; k < crossings.size(); ++k) {
+                const glm::dvec2 from = *crossings[k] - a;
+                const double aside = std::abs(along.x * from.y - along.y * from.x);
+                if (!(aside <= nearest[k].first)) continue;
+                const double t = glm::dot(from, along);
+                if (t > 0 && t < length) nearest[k] = {aside, a + t * along};
             }
-            if (least > kOnLine * tolerance_) *p = best;
         }
+        for (size_t k = 0; k < crossings.size(); ++k)
+            if (nearest[k].first > kOnLine * tolerance_) *crossings[k] = nearest[k].second;
     }
 
-    // Edges of the plane's faces in which faces of other planes end, too.
-    std::set<Edge> edgesWithOthers(const Plane& plane) const {
-        std::set<Edge> out;
+    // Edges of the plane's faces in which faces of other planes end, too; some repeat.
+    std::vector<Edge> edgesWithOthers(const Plane& plane) const {
+        std::vector<Edge> out;
         for (const uint32_t f : plane.faces)
             for (const auto& loop : welded_.faces[f].loops)
                 for (size_t i = 0; i < loop.size(); ++i) {
@@ -250,7 +251,7 @@ private:
                     if (std::ranges::any_of(facesAt_[static_cast<size_t>(at)], [&](uint32_t g) {
                             return !std::ranges::binary_search(plane.faces, g);
                         }))
-                        out.insert(edge);
+                        out.push_back(edge);
                 }
         return out;
     }
