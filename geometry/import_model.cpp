@@ -190,6 +190,7 @@ private:
                                                   kNearWall * scale, tolerance)) {
             const auto first = boards.faces.begin() + static_cast<ptrdiff_t>(boards.first);
             ModelFaces& faces = out.emplace_back(faces_, std::vector(first, boards.faces.end())).faces;
+            for (const SoupFace& board : out.back().boards) faces.boards.insert(board.surface);
             faces.soup = std::move(boards.faces);
             faces.warnings.push_back(fmt::format(
                 "{} (the first at {}) in rooms enclose nothing: taken as boards {:.2g} m thick, or that "

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <map>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -24,6 +25,9 @@ struct ModelFaces {
     // By the face's number in the file, world metres: bent so far that this may be what keeps rooms from
     // closing.
     std::map<uint32_t, double> folded;
+    // By the face's number in the file: sheets that were made boards, which are closed. What of them hangs
+    // open lies where they touch, inside.
+    std::set<uint32_t> boards;
     bool exact = false; // corners stand where they are meant to: no gaps are to be closed
     double coarser = 1; // how many times tolerances are wider, of files with few decimals
 };

@@ -23,9 +23,10 @@ namespace heliodon::geometry {
 
 namespace {
 
-// Warns of sheets, or throws where they are none that stand outside. `looksIn`: as judgeSheets() has it.
-void judge(const ModelReading& reading, const GroundOutside& ground, const std::vector<SoupFace>& solids,
-           bool looksIn, ModelRooms& rooms) {
+// Warns of sheets of `all`, or throws where they are none that stand outside. `looksIn`: as judgeSheets() has
+// it.
+void judge(const ModelReading& reading, const ModelFaces& all, const GroundOutside& ground,
+           const std::vector<SoupFace>& solids, bool looksIn, ModelRooms& rooms) {
     if (ground.onGlass)
         throw reading.model.errorAt(
             *ground.onGlass, "the ground is drawn through the glass of a window, expected it to end there");
@@ -40,7 +41,9 @@ void judge(const ModelReading& reading, const GroundOutside& ground, const std::
                         verdict.fault->words));
     std::vector<std::string>& warnings = rooms.building.warnings;
     const auto place = reading.place();
-    warnings.push_back(sheetsOutside(ground.sheets, place));
+    std::vector<SoupFace> outside = ground.sheets;
+    std::erase_if(outside, [&](const SoupFace& sheet) { return all.boards.contains(sheet.surface); });
+    if (!outside.empty()) warnings.push_back(sheetsOutside(outside, place));
     if (ground.surface)
         warnings.push_back(fmt::format("the ground ({} and others of it) runs on through rooms: what "
                                        "lies in them was left out, their floors are as drawn",
@@ -73,7 +76,7 @@ std::optional<ModelRooms> roomsBeside(const ModelReading& reading, const ModelFa
     if (ground.surface) out = roomsAmong(ground.sheets);
     if (!out) return std::nullopt;
     std::ranges::move(std::exchange(out->sheets, {}), std::back_inserter(ground.sheets));
-    judge(reading, ground, solidsAmong(sheets.closed, *out), lookIn(all.soup, *out), *out);
+    judge(reading, all, ground, solidsAmong(sheets.closed, *out), lookIn(all.soup, *out), *out);
     return out;
 }
 
@@ -111,7 +114,7 @@ ModelRooms roomsOrBeside(const ModelReading& reading, const ModelFaces& faces,
     }
     if (!out->sheets.empty()) {
         const GroundOutside sheets{std::exchange(out->sheets, {}), {}, {}};
-        judge(reading, sheets, solidsAmong(faces.soup, *out), false, *out);
+        judge(reading, faces, sheets, solidsAmong(faces.soup, *out), false, *out);
     }
     leaveOutSmallRooms(reading, *out);
     std::ranges::move(

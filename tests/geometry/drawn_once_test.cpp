@@ -52,4 +52,20 @@ TEST(DrawnOnce, screens_whose_sides_are_divided_in_other_ways_are_boards_with_bo
     }
 }
 
+// Over the hinge the leaf's upper rim and the lintel's lower one lie on one another for half a millimetre.
+TEST(DrawnOnce, partitions_of_sheets_with_an_open_door_are_not_said_to_stand_outside) {
+    Drawing drawing(false);
+    drawing.room(0, -1, true);
+    drawing.twoSided = true;
+    const dvec3 up(0, 2.5, 0), door(0, 2.1, 0);
+    drawing.sheet({2, 0, 0}, up, {0, 0, 2}), drawing.sheet({2, 0, 3}, up, {0, 0, 2});
+    drawing.sheet({2, 2.1, 2}, up - door, {0, 0, 1});
+    drawing.sheet({2, 0, 2}, door, {0.7, 0, 0.7}, "paint");
+    const Building building = drawing.read();
+    EXPECT_EQ(building.roomCount, 1u);
+    EXPECT_TRUE(std::ranges::none_of(building.warnings, [](const std::string& warning) {
+        return warning.find("stand outside") < warning.npos;
+    }));
+}
+
 } // namespace heliodon::geometry
