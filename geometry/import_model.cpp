@@ -88,7 +88,7 @@ public:
                 faces_ = std::move(with.faces);
                 try {
                     Building made = importSolids(with.boards);
-                    if (!hasInsideOfWalls(made)) return made;
+                    if (insidesOfWalls(made) == 0) return made;
                 } catch (const InputError&) { // what was wrong before says more
                 }
             }
@@ -96,6 +96,8 @@ public:
             throw;
         }
     }
+
+    bool isMostOfWalls(const Building& made) const { return 2 * insidesOfWalls(made) > made.roomCount; }
 
     void refuseInsideOfWalls(const Building& made) const {
         const auto pocket = airPocket(made, reading_.tolerance());
@@ -123,7 +125,7 @@ private:
             whyNoPane.reset();
             try {
                 Building made = glazedRooms(reading_, faces_, whyNoPane);
-                if (!hasInsideOfWalls(made)) return made;
+                if (insidesOfWalls(made) == 0) return made;
                 if (!doubtful) doubtful = std::move(made);
             } catch (const InputError& error) {
                 if (!wrong) wrong = error;
@@ -201,11 +203,14 @@ private:
         return out;
     }
 
-    bool hasInsideOfWalls(const Building& building) const {
-        return building.roomCount > 1 &&
-               std::ranges::any_of(measureRooms(ownTriangles(building)), [&](const RoomMeasures& room) {
-                   return isLikeInsideOfWalls(room, reading_.worldPerBuilding(building.vertices));
-               });
+    // Of the rooms of several.
+    size_t insidesOfWalls(const Building& building) const {
+        return building.roomCount < 2
+                   ? 0
+                   : static_cast<size_t>(std::ranges::count_if(
+                         measureRooms(ownTriangles(building)), [&](const RoomMeasures& room) {
+                             return isLikeInsideOfWalls(room, reading_.worldPerBuilding(building.vertices));
+                         }));
     }
 
     // False where there are none.
@@ -260,7 +265,9 @@ Building importModel(const std::filesystem::path& file, UpAxis up, const ImportO
             const double coarser = apart * step / importer.reading().tolerance();
             if (coarser <= 1) continue;
             try {
-                Building made = ModelImporter(model, options, coarser).import();
+                ModelImporter roughly(model, options, coarser);
+                Building made = roughly.import();
+                if (roughly.isMostOfWalls(made)) continue; // guessed twice
                 made.warnings.push_back(fmt::format("coordinates are rounded to {:.1g} m, and as they are "
                                                     "enclose no room: what is no farther apart than "
                                                     "{:.2g} m was taken to touch",

@@ -102,12 +102,15 @@ void reportImport(Run& run, const geometry::PatchMesh& mesh, const geometry::Bui
     for (const std::string& warning : building.warnings) run.warn(warning);
     report["n_rooms"] = rooms.size();
     report["rooms"] = json::array();
+    std::vector<size_t> thin;
     for (size_t r = 0; r < rooms.size(); ++r)
-        if (geometry::isLikeInsideOfWalls(rooms[r], worldPerBuilding))
-            run.warn(
-                fmt::format("room {} is {:.2f} m deep on average, as the inside of walls is: the faces of a "
-                            "model must bound the air of its rooms, not their walls",
-                            r, geometry::meanDepth(rooms[r]) / worldPerBuilding));
+        if (geometry::isLikeInsideOfWalls(rooms[r], worldPerBuilding)) thin.push_back(r);
+    if (!thin.empty())
+        run.warn(fmt::format(
+            "room {} is {:.2f} m deep on average, as the inside of walls is{}: the faces of a "
+            "model must bound the air of its rooms, not their walls",
+            thin[0], geometry::meanDepth(rooms[thin[0]]) / worldPerBuilding,
+            thin.size() > 1 ? fmt::format(" (so are {} more of {})", thin.size() - 1, rooms.size()) : ""));
     const bool dark = std::ranges::all_of(rooms, [](const auto& room) { return room.openings == 0; });
     for (size_t r = 0; r < rooms.size() && dark; ++r)
         if (geometry::isLikeFloorAndWalls(rooms[r]))
