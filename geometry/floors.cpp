@@ -22,17 +22,20 @@ constexpr double kInfinite = std::numeric_limits<double>::infinity();
 
 // Metres of the building.
 constexpr double kStep = 0.25;
+constexpr double kRise = 0.3, kGap = 0.3; // from a tread of a stair to the next one
+constexpr double kLastRise = 0.55;        // to what it leads to, where the last tread is not drawn
 constexpr double kHeadroom = 2;
 constexpr double kThickest = 1; // of a floor, from what one walks on to the ceiling beneath
 constexpr double kLeastArea = 1.5, kLeastWidth = 0.6;
-constexpr double kSolidArea = 6, kSolidWidth = 1.5; // of what stands on the floor
-constexpr double kCupboard = 0.9;                   // no single row of cupboards is so wide
+constexpr double kCupboard = 0.9; // no single row of cupboards is so wide
 
 // Level patches that hang together by their edges.
 struct Level {
     std::vector<size_t> patches;
     double low = kInfinite, high = -kInfinite;
     double area = 0, perimeter = 0;
+    Bounds box;
+    bool isReached = false; // by stairs or steps
 
     // Of a rectangle of that area and perimeter.
     double width() const {
@@ -47,11 +50,11 @@ public:
 
     Floors find() {
         Shells shells(mesh_);
-        std::map<uint32_t, std::vector<size_t>> rooms;
-        for (size_t i = 0; i < mesh_.patchCount(); ++i) // what stands free in a room encloses its own inside
-            if (patchNormal(mesh_, i).y > kWalkable && shells.volume(i) > 0)
-                rooms[mesh_.room[i]].push_back(i);
-        for (auto& [room, patches] : rooms) findIn(patches);
+        std::map<uint32_t, std::vector<size_t>> rooms, furniture; // what stands free in them
+        for (size_t i = 0; i < mesh_.patchCount(); ++i)
+            if (patchNormal(mesh_, i).y > kWalkable)
+                (shells.volume(i) > 0 ? rooms : furniture)[mesh_.room[i]].push_back(i);
+        for (auto& [room, patches] : rooms) findIn(patches, furniture[room]);
         return std::move(out_);
     }
 
@@ -69,7 +72,7 @@ private:
     }
 
     // Of one room.
-    void findIn(std::vector<size_t>& patches) {
+    void findIn(std::vector<size_t>& patches, const std::vector<size_t>& furniture) {
         std::ranges::stable_sort(patches, {}, [&](size_t i) { return low(i); });
         double reached = low(patches[0]);
         size_t next = 0;
@@ -77,11 +80,43 @@ private:
             reached = std::max(reached, high(patches[next]));
             out_.lowest.push_back(patches[next]);
         }
+        if (next == patches.size()) return;
         least_ = low(patches[0]) + kHeadroom * scale_;
-        for (const Level& level : levelsOf({patches.begin() + static_cast<ptrdiff_t>(next), patches.end()})) {
+        const auto rest = patches.begin() + static_cast<ptrdiff_t>(next);
+        std::vector<Level> levels = levelsOf({rest, patches.end()}), treads = levelsOf(furniture),
+                           below = levelsOf({patches.begin(), rest});
+        for (Level& level : below) level.isReached = true;
+        climb(levels, treads, below);
+        for (const Level& level : levels) {
             if (level.low > reached + kStep * scale_ && !isStorey(level, reached)) continue;
             reached = std::max(reached, level.high);
             out_.upper.insert(out_.upper.end(), level.patches.begin(), level.patches.end());
+        }
+    }
+
+    // By stairs, of whatever stands in the room.
+    void climb(std::vector<Level>& levels, std::vector<Level>& treads, std::vector<Level>& below) const {
+        std::vector<Level*> all, todo;
+        for (std::vector<Level>* some : {&levels, &treads, &below})
+            for (Level& level : *some) all.push_back(&level);
+        std::ranges::sort(all, {}, [](const Level* l) { return l->low; });
+        for (Level* level : all)
+            if (level->isReached) todo.push_back(level);
+        const double rise = kRise * scale_, last = kLastRise * scale_, gap = kGap * scale_,
+                     large = kLeastArea * scale_ * scale_;
+        while (!todo.empty()) {
+            const Level& from = *todo.back();
+            todo.pop_back();
+            for (auto at = std::ranges::lower_bound(all, from.low, {}, [](const Level* l) { return l->low; });
+                 at != all.end() && (*at)->low <= from.high + last; ++at) {
+                const Bounds &a = from.box, &b = (*at)->box;
+                if ((*at)->isReached || ((*at)->low > from.high + rise && (*at)->area < large) ||
+                    a.low.x > b.high.x + gap || b.low.x > a.high.x + gap || a.low.z > b.high.z + gap ||
+                    b.low.z > a.high.z + gap)
+                    continue;
+                (*at)->isReached = true;
+                todo.push_back(*at);
+            }
         }
     }
 
@@ -105,6 +140,8 @@ private:
         for (uint32_t k = 0; k < patches.size(); ++k) {
             Level& level = levels[joined.root(k)];
             level.patches.push_back(patches[k]);
+            const Bounds box = boundsOf(patchCorners(mesh_, patches[k]));
+            level.box = level.patches.size() == 1 ? box : united(level.box, box);
             level.low = std::min(level.low, low(patches[k]));
             level.high = std::max(level.high, high(patches[k]));
             level.area += patchArea(mesh_, patches[k]);
@@ -188,11 +225,10 @@ private:
             return some * level.area >= least * square * points;
         };
         if (!isEnough(free, kLeastArea)) return false;
-        if (isEnough(walkedUnder, kLeastArea)) return true;
-        if (level.low < reached + kHeadroom * metre) return false;
-        if (isEnough(free, kSolidArea) && level.width() >= kSolidWidth * metre) return true;
-        if (level.width() >= kCupboard * metre) out_.undecided.push_back(level.patches[0]);
-        return false;
+        const bool fits = isEnough(walkedUnder, kLeastArea) ||
+                          (level.low >= reached + kHeadroom * metre && level.width() >= kCupboard * metre);
+        if (fits && !level.isReached) out_.undecided.push_back(level.patches[0]);
+        return fits && level.isReached;
     }
 
     const PatchMesh& mesh_;

@@ -29,18 +29,18 @@ private:
 struct Floors {
     std::vector<size_t> lowest;
     std::vector<size_t> upper;     // of storeys and galleries that share the air of what is below them
-    std::vector<size_t> undecided; // one of each surface that may be a gallery or the top of a large
-                                   // cupboard, and is taken as no floor
+    std::vector<size_t> undecided; // one of each surface that may be a gallery, but for stairs: taken as
+                                   // no floor
 };
 
 // Floor is what one can walk on: level faces and ramps of the shell that encloses a room (things that stand
 // free in it have no floor), the lowest ones and all that rise by no more than 0.25 m (of the building, of
 // which one metre is `worldPerBuilding` in the mesh) over what is reached already; so the tops of tables,
-// partitions and shelves are none, while those of stairs and low platforms are. Then what is as large as
-// 1.5 m2 and as wide as 0.6 m and has 2 m of air over it, if there are also 2 m of air beneath it, right
-// under its slab, in this room or another: one walks under galleries, not in cupboards. Over a body without
-// air it must rise by 2 m over the floors below and be as large as 6 m2 and as wide as 1.5 m. What is reached
-// from such floor belongs to it.
+// partitions and shelves are none, while those of stairs and low platforms are. Then what stairs lead to, of
+// treads that rise by 0.3 m at most (the last one 0.55), whatever they are drawn as, and what is reached
+// from it: as large as 1.5 m2 and as wide as 0.6 m, with 2 m of air over it and 2 m beneath, right under its
+// slab, in this room or another; over a body without air, 2 m over the floors below and 0.9 m wide. The same
+// without stairs is undecided.
 Floors findFloors(const PatchMesh& mesh, double worldPerBuilding = 1);
 
 // Height at which a vertical line crosses a patch that is not upright; NaN beside it. `slack`: twice the area

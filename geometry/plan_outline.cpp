@@ -165,6 +165,12 @@ private:
         return std::abs(glm::dot(wall, edge(i))) < kSquare * glm::length(wall) * glm::length(edge(i));
     }
 
+    // Shorter walls are drawn for what stands out of them.
+    bool isLong(int piece) const {
+        const WallPiece& wall = plan_.pieces[static_cast<size_t>(piece)];
+        return glm::length(wall.b - wall.a) >= kOfWall;
+    }
+
     // A wall that runs on past another one by little, or whose square end does at a slant, ends where the
     // faces of the two meet.
     bool dropOvershoot() {
@@ -179,8 +185,7 @@ private:
     bool endAtFace(size_t i) {
         const size_t first = i + size() - 1, last = i + 2;
         if (size() < 6 || cross(edge(first), edge(i)) >= 0 || cross(edge(i), edge(i + 1)) >= 0) return false;
-        const WallPiece& wall = plan_.pieces[static_cast<size_t>(info(i).piece)];
-        if (glm::length(wall.b - wall.a) < kOfWall) return false;
+        if (!isLong(info(i).piece)) return false;
         const glm::dvec2 face = point(last) - point(first);
         for (const size_t k : {first, i + 1})
             if (info(k).piece != info(i).piece || glm::length(edge(k)) > kOvershoot) return false;
@@ -216,10 +221,13 @@ private:
         for (size_t k = first; k <= last; ++k) {
             const int own = info(k).piece;
             if (glm::length(point(k) - corner) > kCorner ||
-                (k < last && own >= 0 && ((own != a && own != b) || glm::length(edge(k)) > kOvershoot)))
+                (k < last && own >= 0 &&
+                 ((own != a && own != b) || glm::length(edge(k)) > kOvershoot || !isLong(own))))
                 return false;
         }
-        if (glm::dot(corner - point(before), in) <= 0 || glm::dot(point(last + 1) - corner, out) <= 0 ||
+        // Both keep some of their length: a nib's own foot is no such corner.
+        if (glm::dot(corner - point(before), in) <= kTouches * glm::length(in) ||
+            glm::dot(point(last + 1) - corner, out) <= kTouches * glm::length(out) ||
             !fits(before, last + 1, corner))
             return false;
         loop_.points[last % size()] = corner;

@@ -123,8 +123,8 @@ void reportImport(Run& run, const geometry::PatchMesh& mesh, const geometry::Bui
                 rooms[r].height / worldPerBuilding));
     for (const size_t i : geometry::findFloors(own, worldPerBuilding).undecided) {
         const glm::dvec3 p = modelFromWorld(geometry::patchCentroid(own, i), up);
-        run.warn(fmt::format("what lies level at ({:.4g}, {:.4g}, {:.4g}) in room {} may be a gallery or the "
-                             "top of a cupboard: taken as no floor",
+        run.warn(fmt::format("what lies level at ({:.4g}, {:.4g}, {:.4g}) in room {} may be a gallery: no "
+                             "stairs lead there, and it was taken as no floor",
                              p.x, p.y, p.z, own.room[i]));
     }
     for (const geometry::RoomMeasures& room : rooms)

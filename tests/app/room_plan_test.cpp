@@ -46,6 +46,7 @@ TEST_F(RoomPlan, shows_rooms_of_models) {
 TEST_F(RoomPlan, shows_galleries_beside_what_is_below_them) {
     BoxModel room(5);
     room.add({0, 2.5, 0}, {3, 2.8, 3});
+    room.addStairs(0, 2.8, 0.5, 3.1);
     writeText(folder / "hall.obj", room.text());
     const Outcome made =
         heliodon("model " + in("hall.obj") + " --quiet --plan " + in("plan.svg") + " -o " + in("again.obj"));

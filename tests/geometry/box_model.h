@@ -29,6 +29,12 @@ public:
         first_ += 8;
     }
 
+    // Treads of a metre, from a storey at `from` to one at `to`, along x.
+    void addStairs(double from, double to, double x, double z) {
+        for (double y = from + 0.28; y < to - 0.05; y += 0.28, x += 0.22)
+            add({x, y - 0.04, z}, {x + 0.25, y, z + 0.9});
+    }
+
     const std::string& text() const { return text_; }
 
     geometry::Building building() const {

@@ -32,8 +32,8 @@ Sketch turned(Sketch s, double degrees) {
 Sketch ell(double over, double lean = 0) {
     Sketch s;
     const glm::dvec2 foot(lean, -6);
-    s.walls = {wall("w", {-8, 6 + kHalf}, {-8, -6 - kHalf}), wall("n", {-8 - kHalf, 6}, {8 + kHalf, 6}),
-               wall("e", {8, 6 + kHalf}, {8, -kHalf}),       wall("a", {8 + kHalf, 0}, {-kHalf - over, 0}),
+    s.walls = {wall("w", {-8, 6 + kHalf}, {-8, -6 - kHalf}),   wall("n", {-8 - kHalf, 6}, {8 + kHalf, 6}),
+               wall("e", {8, 6 + kHalf}, {8, -kHalf}),         wall("a", {8 + kHalf, 0}, {-kHalf - over, 0}),
                wall("b", kHalf * glm::normalize(-foot), foot), wall("s", {1, -6}, {-8 - kHalf, -6})};
     return s;
 }
@@ -41,9 +41,12 @@ Sketch ell(double over, double lean = 0) {
 // Three rooms; the wall between two of them runs on into the third.
 Sketch tee(double over) {
     Sketch s;
-    s.walls = {wall("w", {-8, 6 + kHalf}, {-8, -6 - kHalf}), wall("n", {-8 - kHalf, 6}, {8 + kHalf, 6}),
-               wall("e", {8, 6 + kHalf}, {8, -6 - kHalf}),   wall("s", {8 + kHalf, -6}, {-8 - kHalf, -6}),
-               wall("across", {-8, 0}, {8, 0}),              wall("up", {1, -6}, {1, kHalf + over})};
+    s.walls = {wall("w", {-8, 6 + kHalf}, {-8, -6 - kHalf}),
+               wall("n", {-8 - kHalf, 6}, {8 + kHalf, 6}),
+               wall("e", {8, 6 + kHalf}, {8, -6 - kHalf}),
+               wall("s", {8 + kHalf, -6}, {-8 - kHalf, -6}),
+               wall("across", {-8, 0}, {8, 0}),
+               wall("up", {1, -6}, {1, kHalf + over})};
     return s;
 }
 
@@ -120,4 +123,26 @@ TEST(Overshoot, ends_at_walls_that_lean) {
 TEST(Overshoot, is_a_wall_where_it_is_long) {
     EXPECT_EQ(measured(ell(0.45)).faces, measured(ell(0)).faces + 2);
     EXPECT_EQ(measured(tee(0.45)).faces, measured(tee(0)).faces + 4);
+}
+
+TEST(Overshoot, of_a_short_wall_is_what_it_is_drawn_for) {
+    Sketch box = tee(0);
+    box.walls.pop_back();
+    for (const double slant : {50.0, 60.0, 75.0, 90.0})
+        for (const double length : {0.45, 0.5, 0.55, 0.6}) {
+            Sketch room = box;
+            const glm::dvec2 foot(2, -6);
+            room.walls.push_back(wall("nib", foot, foot + length * turned({1, 0}, slant)));
+            const Measured drawn = measured(room);
+            EXPECT_GE(drawn.faces, measured(box).faces + 3);
+            for (const double degrees : {17.0, 45.0, 90.0, 133.0, 211.0}) {
+                SCOPED_TRACE(testing::Message() << slant << ' ' << length << ' ' << degrees);
+                const Measured other = measured(turned(room, degrees));
+                EXPECT_EQ(other.faces, drawn.faces);
+                EXPECT_NEAR(other.area, drawn.area, 1e-6);
+            }
+        }
+    Sketch corner = ell(0);
+    corner.walls.push_back(wall("return", {-0.3, 0}, {-0.3 - 0.3, 0})); // out of the corner in the middle
+    EXPECT_EQ(measured(corner).faces, measured(ell(0)).faces + 2);
 }
