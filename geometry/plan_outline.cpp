@@ -20,7 +20,7 @@ namespace {
 
 constexpr double kShortEdge = 0.12;  // inches: shorter steps are noise
 constexpr double kOvershoot = 0.4;   // inches: a wall that runs on past another one by less was to end there,
-constexpr double kOfWall = 1.5;      // where this much of it and more is drawn
+constexpr double kThrough = 1.5;     // where this much of it is drawn, or in a corner twice what stands out
 constexpr double kCorner = 0.6;      // inches from a corner: what the ends of the walls that meet there leave
 constexpr double kSlant = 0.1;       // the sine of the angle between walls that are one side, or that meet
 constexpr double kSquare = 0.2;      // the cosine of the angle between a wall and its end
@@ -165,10 +165,9 @@ private:
         return std::abs(glm::dot(wall, edge(i))) < kSquare * glm::length(wall) * glm::length(edge(i));
     }
 
-    // Shorter walls are drawn for what stands out of them.
-    bool isLong(int piece) const {
+    double lengthOf(int piece) const { // of a straight one
         const WallPiece& wall = plan_.pieces[static_cast<size_t>(piece)];
-        return glm::length(wall.b - wall.a) >= kOfWall;
+        return glm::length(wall.b - wall.a);
     }
 
     // A wall that runs on past another one by little, or whose square end does at a slant, ends where the
@@ -185,7 +184,7 @@ private:
     bool endAtFace(size_t i) {
         const size_t first = i + size() - 1, last = i + 2;
         if (size() < 6 || cross(edge(first), edge(i)) >= 0 || cross(edge(i), edge(i + 1)) >= 0) return false;
-        if (!isLong(info(i).piece)) return false;
+        if (lengthOf(info(i).piece) < kThrough) return false;
         const glm::dvec2 face = point(last) - point(first);
         for (const size_t k : {first, i + 1})
             if (info(k).piece != info(i).piece || glm::length(edge(k)) > kOvershoot) return false;
@@ -222,7 +221,7 @@ private:
             const int own = info(k).piece;
             if (glm::length(point(k) - corner) > kCorner ||
                 (k < last && own >= 0 &&
-                 ((own != a && own != b) || glm::length(edge(k)) > kOvershoot || !isLong(own))))
+                 ((own != a && own != b) || glm::length(edge(k)) > std::min(kOvershoot, lengthOf(own) / 2))))
                 return false;
         }
         // Both keep some of their length: a nib's own foot is no such corner.
