@@ -8,6 +8,7 @@
 #include <optional>
 #include <tuple>
 #include <unordered_map>
+#include <unordered_set>
 
 #include <glm/geometric.hpp>
 
@@ -55,7 +56,7 @@ private:
         for (size_t i = 0; i < flat_.size(); ++i) {
             if (flat_[i] == glm::dvec3(0)) continue;
             const auto [known, isNew] = first.try_emplace(mesh_.surface[i], flat_[i]);
-            if (!isNew && !inOnePlane(known->second, flat_[i])) curved_[mesh_.surface[i]] = true;
+            if (!isNew && !inOnePlane(known->second, flat_[i])) curved_.insert(mesh_.surface[i]);
         }
         return !curved_.empty();
     }
@@ -162,11 +163,11 @@ private:
     }
 
     const PatchMesh& mesh_;
-    std::vector<glm::dvec3> flat_;              // normal of each patch, 0 of those without area
-    std::unordered_map<uint32_t, bool> curved_; // surfaces
-    DisjointSets facets_;                       // of patches
-    std::vector<Corner> corners_;               // of curved surfaces
-    std::vector<bool> fold_;                    // per corner of the mesh: facets meet there
+    std::vector<glm::dvec3> flat_;        // normal of each patch, 0 of those without area
+    std::unordered_set<uint32_t> curved_; // surfaces
+    DisjointSets facets_;                 // of patches
+    std::vector<Corner> corners_;         // of curved surfaces
+    std::vector<bool> fold_;              // per corner of the mesh: facets meet there
 };
 
 } // namespace

@@ -66,6 +66,7 @@ private:
                 bottom[mesh_.room[i]] = std::min(bottom[mesh_.room[i]], mesh_.vertices[v].y);
         }
         for (const size_t i : floors.upper) rooms_[mesh_.room[i]].upperFloor += patchArea(mesh_, i);
+        for (const size_t i : floors.undecided) rooms_[mesh_.room[i]].mayBeFloor.push_back(i);
         for (size_t r = 0; r < rooms_.size(); ++r)
             if (rooms_[r].floorArea > 0) {
                 rooms_[r].height = top[r] - bottom[r];

@@ -1,6 +1,7 @@
 // What can be said of the rooms of a model that came without a plan.
 #pragma once
 
+#include <cstddef>
 #include <vector>
 
 #include "geometry/building.h"
@@ -9,13 +10,14 @@
 namespace heliodon::geometry {
 
 struct RoomMeasures {
-    double floorArea = 0;  // square metres; see findFloors()
-    double upperFloor = 0; // of this, storeys and galleries over others
-    double volume = 0;    // cubic metres
-    double surface = 0;   // square metres, of all that bounds it
-    double openings = 0;  // of these, glass and open holes
-    double height = 0;    // metres, from the lowest floor to the highest point
-    int euler = 0;        // V - E + F of the room's surfaces together: 2 for each, less 2 for each handle
+    double floorArea = 0;           // square metres; see findFloors()
+    double upperFloor = 0;          // of this, storeys and galleries over others
+    double volume = 0;              // cubic metres
+    double surface = 0;             // square metres, of all that bounds it
+    double openings = 0;            // of these, glass and open holes
+    double height = 0;              // metres, from the lowest floor to the highest point
+    std::vector<size_t> mayBeFloor; // Floors::undecided
+    int euler = 0; // V - E + F of the room's surfaces together: 2 for each, less 2 for each handle
 };
 
 // Upright and level pieces of glass; one between two rooms is one. A piece ends where glass turns by 37
@@ -34,8 +36,8 @@ std::vector<RoomMeasures> measureRooms(const PatchMesh& own, double worldPerBuil
 double meanDepth(const RoomMeasures& room);
 // As thin as walls are (`worldPerBuilding` world metres a metre of building), and not between two panes.
 bool isLikeInsideOfWalls(const RoomMeasures& room, double worldPerBuilding);
-// Much less than what is over its lowest floor up to its highest point, as of a floor and walls with a thickness
-// drawn as one body; more than under a roof that comes down to the floor.
+// Much less than what is over its lowest floor up to its highest point, as of a floor and walls with a
+// thickness drawn as one body; more than under a roof that comes down to the floor.
 bool isLikeFloorAndWalls(const RoomMeasures& room);
 
 // By how much the volume of a room may differ from that in ownTriangles() in its mesh, whose triangles are

@@ -27,8 +27,8 @@ SoupFace pieceOf(const SoupFace& face, const Sheet& sheet, size_t turned);
 // Sheets by common corners; Face::surface: which sheet.
 Building weldSheets(const std::vector<Sheet>& sheets, double tolerance);
 
-// While one lives, what the thread cut and welded last is kept: where every attempt at a model is refused, its
-// faces are asked for again and again. The same faces, to the bit, give the same sheets.
+// While one lives, what the thread cut and welded last is kept: where every attempt at a model is refused,
+// its faces are asked for again and again. The same faces, to the bit, give the same sheets.
 class SheetMemory {
 public:
     SheetMemory();

@@ -14,6 +14,7 @@
 
 #include "geometry/perpendicular.h"
 #include "geometry/plan_fillings.h"
+#include "geometry/used_stretches.h"
 
 namespace heliodon::geometry {
 
@@ -26,11 +27,6 @@ constexpr double kAlike = 0.05;  // and how much thicker than that it may be
 constexpr double kBefore = 0.15, kFilled = 1.5;
 constexpr double kLeast = 0.3;                  // inches: less of a side is none
 constexpr double kStep = 0.1, kMostSteps = 100; // inches between the places where it is asked
-
-struct Stretch {
-    double from = 0, to = 0; // inches along a piece, from its end a
-    double length() const { return to - from; }
-};
 
 struct Box {
     glm::dvec2 low{}, high{};
@@ -80,7 +76,7 @@ private:
         return {id, role, role == "outside_extra" ? outside : ""};
     }
 
-    // Where the primitive lies along the piece that it was merged into.
+    // Where the primitive lies along the piece that it was merged into, inches from its end a.
     Stretch stretchOf(const WallPiece& piece, const std::string& id) const {
         if (piece.curved) {
             const Arc& arc = *std::ranges::find(sketch_.arcs, id, &Arc::id);

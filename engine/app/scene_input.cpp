@@ -14,7 +14,6 @@
 #include "engine/app/work_plane.h"
 #include "geometry/bounds.h"
 #include "geometry/counted.h"
-#include "geometry/floors.h"
 #include "geometry/input_error.h"
 #include "geometry/lower_case.h"
 #include "geometry/mesher.h"
@@ -121,12 +120,14 @@ void reportImport(Run& run, const geometry::PatchMesh& mesh, const geometry::Bui
                 "bound the air of its rooms",
                 r, rooms[r].volume / rooms[r].floorArea / worldPerBuilding,
                 rooms[r].height / worldPerBuilding));
-    for (const size_t i : geometry::findFloors(own, worldPerBuilding).undecided) {
-        const glm::dvec3 p = modelFromWorld(geometry::patchCentroid(own, i), up);
-        run.warn(fmt::format("what lies level at ({:.4g}, {:.4g}, {:.4g}) in room {} may be a gallery: no "
-                             "stairs lead there, and it was taken as no floor",
-                             p.x, p.y, p.z, own.room[i]));
-    }
+    for (size_t r = 0; r < rooms.size(); ++r)
+        for (const size_t i : rooms[r].mayBeFloor) {
+            const glm::dvec3 p = modelFromWorld(geometry::patchCentroid(own, i), up);
+            run.warn(
+                fmt::format("what lies level at ({:.4g}, {:.4g}, {:.4g}) in room {} may be a gallery: no "
+                            "stairs lead there, and it was taken as no floor",
+                            p.x, p.y, p.z, r));
+        }
     for (const geometry::RoomMeasures& room : rooms)
         report["rooms"].push_back({{"floor_area", room.floorArea / (foot * foot)},
                                    {"volume", room.volume / (foot * foot * foot)},

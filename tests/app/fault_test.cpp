@@ -190,7 +190,8 @@ TEST_F(Fault, a_full_disk_leaves_no_half_of_a_file) {
         EXPECT_FALSE(fs::exists(folder / "out/render.files.json")) << "lists what is not there";
         fs::remove_all(folder / "out");
     }
-    if (!asksDevice) GTEST_SKIP() << "all but `model`: this driver's memory falls under the limit of file sizes";
+    if (!asksDevice)
+        GTEST_SKIP() << "all but `model`: this driver's memory falls under the limit of file sizes";
 }
 
 TEST_F(Fault, ctrl_c_ends_work_that_asks_no_device_and_not_the_report_of_what_is_done) {
