@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 #include <map>
-#include <numbers>
 #include <optional>
 
 #include <glm/common.hpp>
@@ -23,7 +22,6 @@ using glm::dvec3;
 
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 // Of what stands outside, as each may hide what another before the same window sends: a hundred and seventy
 // leaves send a hundredth of a room's light, and would take ten times as long as without.
 constexpr double kMostPairs = 30'000;

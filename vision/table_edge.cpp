@@ -71,7 +71,6 @@ std::pair<glm::dvec2, double> bestPlace(const PlanView& view, double radius, glm
 } // namespace
 
 std::optional<glm::dvec2> edgeOffset(const PlanView& view, double radius) {
-    constexpr int kDirections = 72;
     constexpr size_t kLeast = 54;
     constexpr double kFar = 1.2, kOutlier = 0.05; // inches
     struct Place {

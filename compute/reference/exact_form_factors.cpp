@@ -146,11 +146,10 @@ template<class Function>
 Estimate overPolygon(const Function& f, const Polygon& polygon, const Rule& low, const Rule& high,
                      double tolerance, size_t maxCells) {
     std::priority_queue<Cell> cells;
-    double value = 0, error = 0;
+    double error = 0; // a running sum: digits that it loses only cost a cell more or less
     const auto push = [&](const std::array<dvec3, 3>& corner) {
         Cell cell{corner, overTriangle(f, corner, high), 0};
         cell.error = std::abs(cell.value - overTriangle(f, corner, low));
-        value += cell.value;
         error += cell.error;
         cells.push(cell);
     };
@@ -158,7 +157,6 @@ Estimate overPolygon(const Function& f, const Polygon& polygon, const Rule& low,
     while (error > tolerance && cells.size() < maxCells && cells.top().error > 0) {
         const Cell worst = cells.top();
         cells.pop();
-        value -= worst.value;
         error -= worst.error;
         const auto& c = worst.corner;
         const dvec3 m01 = 0.5 * (c[0] + c[1]), m12 = 0.5 * (c[1] + c[2]), m20 = 0.5 * (c[2] + c[0]);
@@ -167,7 +165,7 @@ Estimate overPolygon(const Function& f, const Polygon& polygon, const Rule& low,
         push({m20, m12, c[2]});
         push({m12, m20, m01});
     }
-    Estimate result; // summed afresh: the running sums have lost digits to cancellation
+    Estimate result; // summed afresh, for the same reason
     while (!cells.empty()) {
         result.value += cells.top().value;
         result.error += cells.top().error;

@@ -81,7 +81,7 @@ struct Frame {
 
 class EmbreeScene {
 public:
-    explicit EmbreeScene(const geometry::PatchMesh& mesh) : mesh_(mesh), device_(rtcNewDevice(nullptr)) {
+    explicit EmbreeScene(const geometry::PatchMesh& mesh) : device_(rtcNewDevice(nullptr)) {
         std::vector<std::array<uint32_t, 3>> triangles;
         for (size_t i = 0; i < mesh.patchCount(); ++i)
             for (size_t k = 1; k + 1 < mesh.patch(i).size(); ++k) {
@@ -145,7 +145,6 @@ public:
     }
 
 private:
-    const geometry::PatchMesh& mesh_;
     RTCDevice device_;
     RTCScene scene_ = nullptr;
     std::vector<uint32_t> patchOf_; // of each triangle
