@@ -6,8 +6,11 @@
 #include <cmath>
 #include <numbers>
 #include <random>
+#include <span>
+#include <vector>
 
 #include <glm/geometric.hpp>
+#include <glm/trigonometric.hpp>
 #include <glm/vec2.hpp>
 #include <gtest/gtest.h>
 
@@ -64,7 +67,61 @@ void expectOnArc(const Arc& arc) {
     }
 }
 
+// Upright rectangles from point to point, looking in.
+PatchMesh wallAlong(std::span<const glm::dvec2> points) {
+    PatchMesh mesh;
+    mesh.materials.emplace_back();
+    for (const glm::dvec2 p : points)
+        for (const double y : {0.0, 2.5}) mesh.vertices.emplace_back(p.x, y, p.y);
+    for (uint32_t v = 0; v + 3 < mesh.vertices.size(); v += 2)
+        mesh.addPatch(std::array{v, v + 2, v + 3, v + 1}, 0, Role::projection, 0, 0);
+    return mesh;
+}
+
+double degreesBetween(glm::dvec3 a, glm::dvec3 b) {
+    return std::acos(std::min(1.0, glm::dot(a, b))) * 180 / std::numbers::pi;
+}
+
 } // namespace
+
+TEST(CornerNormals, are_those_of_the_arc_where_its_facets_are_uneven_and_it_ends_beside_their_circle) {
+    std::vector<glm::dvec2> points;
+    std::vector<double> angle;
+    double at = 0;
+    for (const double step : {0.0, 13.0, 13.0, 13.0, 13.0, 8.0, 8.0, 7.0}) angle.push_back(at += step);
+    for (const double a : angle) {
+        const double r = a == angle.front() || a == angle.back() ? 3 - 0.0105 : 3;
+        points.push_back(r * glm::dvec2(std::cos(glm::radians(a)), std::sin(glm::radians(a))));
+    }
+    const PatchMesh mesh = wallAlong(points);
+    const std::vector<glm::dvec3> normals = cornerNormals(mesh);
+    ASSERT_EQ(normals.size(), mesh.corners.size());
+    const double side = patchNormal(mesh, 0).x < 0 ? -1 : 1;
+    for (size_t c = 0; c < normals.size(); ++c) {
+        const double a = glm::radians(angle[mesh.corners[c] / 2]);
+        EXPECT_LT(degreesBetween(normals[c], side * glm::dvec3(std::cos(a), 0, std::sin(a))), 0.12)
+            << angle[mesh.corners[c] / 2] << " degrees";
+    }
+}
+
+TEST(CornerNormals, go_on_turning_at_no_end_that_is_straight) {
+    std::vector<glm::dvec2> points;
+    for (int k = 0; k <= 4; ++k) {
+        const double a = glm::radians(12.0 * k);
+        points.emplace_back(std::cos(a), std::sin(a));
+    }
+    const double last = glm::radians(48.0 + 6);
+    for (const double length : {0.1, 0.2, 3.0}) {
+        SCOPED_TRACE(length);
+        std::vector<glm::dvec2> all = points;
+        all.push_back(points.back() + length * glm::dvec2(-std::sin(last), std::cos(last)));
+        const PatchMesh mesh = wallAlong(all);
+        const std::vector<glm::dvec3> normals = cornerNormals(mesh);
+        ASSERT_EQ(normals.size(), mesh.corners.size());
+        for (size_t c = 16; c < 20; ++c)
+            EXPECT_LT(degreesBetween(normals[c], patchNormal(mesh, 4)), 6 + 1e-6);
+    }
+}
 
 TEST(CornerNormals, are_those_of_the_arc_however_facets_are_divided) {
     for (const int across : {1, 2, 5}) {
