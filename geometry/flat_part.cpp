@@ -52,6 +52,12 @@ void FlatPart::link() {
             }
 }
 
+std::pair<uint32_t, uint32_t> FlatPart::borderEdge(size_t edge) const {
+    const auto [piece, k] = borderSides[edge];
+    const auto& v = pieces[piece].vertex;
+    return {vertices[v[k]], vertices[v[(k + 1) % 3]]};
+}
+
 double FlatPart::spacing() const {
     double twice = 0;
     for (const Piece& p : pieces) twice += cross(p.corner[1] - p.corner[0], p.corner[2] - p.corner[0]);

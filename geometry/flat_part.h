@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include <glm/vec2.hpp>
@@ -43,6 +44,8 @@ struct FlatPart {
     };
     std::vector<Side> borderSides; // without a piece beyond
     std::vector<Segment> border;   // the same in the plane
+    // Vertices of the mesh, the part on their left.
+    std::pair<uint32_t, uint32_t> borderEdge(size_t edge) const;
 
     // Fills in box, neighbours and border.
     void link();

@@ -16,6 +16,7 @@
 #include "geometry/flat_part.h"
 #include "geometry/key_hash.h"
 #include "geometry/region_mesh.h"
+#include "geometry/spare_vertices.h"
 #include "geometry/standing_faces.h"
 
 namespace heliodon::geometry {
@@ -37,6 +38,7 @@ public:
         cutVertices_.assign(mesh_.vertices.size(), false);
         for (FlatPart& part : parts_) findCuts(part);
         for (auto& [edge, cuts] : edgeCuts_) tidy(edge, cuts);
+        spare_ = spareVertices(parts_, mesh_.vertices);
         for (FlatPart& part : parts_) build(part);
         measureReach();
         return std::move(out_);
@@ -63,17 +65,10 @@ private:
         for (const Cut& cut : part.cuts)
             for (const CutEnd& end : cut)
                 if (end.edge >= 0 && end.t > 0 && end.t < 1) {
-                    const auto [a, b] = borderEdge(part, static_cast<size_t>(end.edge));
+                    const auto [a, b] = part.borderEdge(static_cast<size_t>(end.edge));
                     edgeCuts_[keyOf(a, b)].push_back(a < b ? end.t : 1 - end.t);
                     cutVertices_[a] = cutVertices_[b] = true;
                 }
-    }
-
-    // Vertices of the mesh, the part on their left.
-    static std::pair<uint32_t, uint32_t> borderEdge(const FlatPart& part, size_t edge) {
-        const auto [piece, k] = part.borderSides[edge];
-        const auto& v = part.pieces[piece].vertex;
-        return {part.vertices[v[k]], part.vertices[v[(k + 1) % 3]]};
     }
 
     static EdgeKey keyOf(uint32_t a, uint32_t b) { return {std::min(a, b), std::max(a, b)}; }
@@ -145,7 +140,7 @@ private:
     void build(FlatPart& part) {
         cutEdges_.clear();
         for (size_t e = 0; e < part.border.size(); ++e) {
-            const auto [a, b] = borderEdge(part, e);
+            const auto [a, b] = part.borderEdge(e);
             cutEdges_.push_back(cutsOf(a, b));
         }
         if (part.cuts.empty() && std::ranges::all_of(cutEdges_, [](const auto* cuts) { return !cuts; })) {
@@ -197,17 +192,20 @@ private:
         return place;
     }
 
-    // The part's own border, with the points that cuts have made on it.
+    // The part's own border, with the points that cuts have made on it and without vertices that are spare.
     void addChains(const FlatPart& part, Remeshed& anew) {
         Region& region = anew.region;
         anew.chains.resize(part.border.size());
+        std::map<uint32_t, std::array<uint32_t, 2>> across; // points before and after a spare vertex
         for (size_t e = 0; e < part.border.size(); ++e) {
             const auto [i, k] = part.borderSides[e];
             if (!anew.touched[i]) continue;
-            const auto [a, b] = borderEdge(part, e);
+            const auto [a, b] = part.borderEdge(e);
             Chain& chain = anew.chains[e];
-            chain.points.push_back(borderPoint(part, part.pieces[i], k, anew));
-            chain.places.push_back(0);
+            if (!spare_[a]) {
+                chain.points.push_back(borderPoint(part, part.pieces[i], k, anew));
+                chain.places.push_back(0);
+            }
             const size_t n = cutEdges_[e] ? cutEdges_[e]->size() : 0;
             for (size_t c = 0; c < n; ++c) {
                 const size_t index = a < b ? c : n - 1 - c;
@@ -217,11 +215,16 @@ private:
                 anew.vertices.push_back(edgeVertex(keyOf(a, b), index, part.surface, part.pieces[i].patch));
                 region.border.push_back(part.frame.flat(out_.vertices[anew.vertices.back()]));
             }
-            chain.points.push_back(borderPoint(part, part.pieces[i], (k + 1) % 3, anew));
-            chain.places.push_back(1);
+            if (!spare_[b]) {
+                chain.points.push_back(borderPoint(part, part.pieces[i], (k + 1) % 3, anew));
+                chain.places.push_back(1);
+            }
             for (size_t c = 0; c + 1 < chain.points.size(); ++c)
                 region.borderEdges.emplace_back(chain.points[c], chain.points[c + 1]);
+            if (spare_[a]) across[a][1] = chain.points.front();
+            if (spare_[b]) across[b][0] = chain.points.back();
         }
+        for (const auto& [v, points] : across) region.borderEdges.emplace_back(points[0], points[1]);
     }
 
     // The border towards pieces that stay.
@@ -271,6 +274,9 @@ private:
     std::vector<bool> touchedPieces(const FlatPart& part, const PieceGrid& grid, double spacing) const {
         constexpr double kMargin = 0.3; // of the spacing: lines stay as far away from what is not meshed anew
         std::vector<bool> touched(part.pieces.size());
+        for (size_t i = 0; i < touched.size(); ++i)
+            touched[i] = std::ranges::any_of(part.pieces[i].vertex,
+                                             [&](uint32_t v) { return spare_[part.vertices[v]]; });
         for (const Cut& cut : part.cuts) {
             grid.markNear({cut[0].point, cut[1].point}, kMargin * spacing, touched);
             for (const CutEnd& end : cut)
@@ -279,7 +285,7 @@ private:
         for (size_t e = 0; e < part.border.size(); ++e)
             if (cutEdges_[e]) {
                 touched[part.borderSides[e].piece] = true;
-                const auto [a, b] = borderEdge(part, e);
+                const auto [a, b] = part.borderEdge(e);
                 for (const double t : *cutEdges_[e]) {
                     const glm::dvec2 p = part.border[e][a < b ? 0 : 1], q = part.border[e][a < b ? 1 : 0];
                     grid.markNear({p + t * (q - p), p + t * (q - p)}, kMargin * spacing, touched);
@@ -296,8 +302,8 @@ private:
     }
 
     // The vertices of the mesh inside the region, with the mean length of the edges there.
-    static std::vector<uint32_t> addSeeds(const FlatPart& part, const std::vector<bool>& touched,
-                                          const std::vector<uint32_t>& onBorder, Region& region) {
+    std::vector<uint32_t> addSeeds(const FlatPart& part, const std::vector<bool>& touched,
+                                   const std::vector<uint32_t>& onBorder, Region& region) const {
         std::vector<uint32_t> seeds, known(part.vertices.size(), Piece::kNone);
         std::vector<double> count;
         for (size_t i = 0; i < part.pieces.size(); ++i) {
@@ -305,7 +311,7 @@ private:
             const Piece& piece = part.pieces[i];
             for (size_t k = 0; k < 3; ++k) {
                 const uint32_t v = piece.vertex[k];
-                if (onBorder[v] != Piece::kNone) continue;
+                if (onBorder[v] != Piece::kNone || spare_[part.vertices[v]]) continue;
                 if (known[v] == Piece::kNone) {
                     known[v] = static_cast<uint32_t>(seeds.size());
                     seeds.push_back(part.vertices[v]);
@@ -343,6 +349,7 @@ private:
     std::vector<Beam> beams_; // per projector
     std::unordered_map<EdgeKey, std::vector<double>, KeyHash> edgeCuts_;
     std::vector<bool> cutVertices_;                    // of the mesh: ends of edges that are cut
+    std::vector<bool> spare_;                          // of the mesh: make way for cuts beside them
     std::vector<const std::vector<double>*> cutEdges_; // of the part at hand, per border edge, or null
     std::vector<Segment> outline_;                     // likewise
     struct CornerCopy {

@@ -431,7 +431,7 @@ TEST(ProjectorVisibility, area_is_kept_and_triangles_grow_little) {
         const double growth = static_cast<double>(split.triangleCount()) / static_cast<double>(patches);
         printf("%s: %zu occluders, %.2f times the triangles, %.1f ms\n", name,
                building.occluders.triangles.size() / 36, growth, best);
-        EXPECT_LT(growth, 1.7) << name;
+        EXPECT_LT(growth, 1.55) << name;
         double after = 0;
         for (size_t t = 0; t < split.triangleCount(); ++t) {
             ASSERT_GT(areaOf(split, t), 0);
