@@ -272,6 +272,12 @@ void EdgeSampler::divideEnds(size_t d) {
     }
 }
 
+double EdgeSampler::spreadOf(const SampledEdge& edge) const {
+    constexpr double kGoldenRatio = 0.6180339887498949; // its multiples lie evenly between whole numbers
+    const double place = kGoldenRatio * static_cast<double>(&edge - edges_.data());
+    return grading_.spread * (place - std::floor(place) - 0.5);
+}
+
 void EdgeSampler::divide(SampledEdge& edge) const {
     if (edge.even) return;
     if (!edge.pins.empty()) return fillBetweenPins(edge);
@@ -279,7 +285,7 @@ void EdgeSampler::divide(SampledEdge& edge) const {
     edge.graded = steps.size() > 2;
     edge.divisions.clear();
     // Steps as many times too long or too short: one of 1.45 is worse than two of 0.73.
-    const double count = steps.back().second, fewer = std::floor(count),
+    const double count = steps.back().second * (1 + spreadOf(edge)), fewer = std::floor(count),
                  wanted = count * count > fewer * (fewer + 1) - 1e-7 ? fewer + 1 : fewer;
     divideEvenly(steps, std::max(1.0, std::min(wanted, edge.graded ? kInfinity : edge.most)), edge.divisions);
 }

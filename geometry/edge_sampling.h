@@ -24,6 +24,7 @@ struct Grading {
     bool slots = true;    // whether they have triangles of their own sizes
     bool sparing = false; // nothing is added to round off angles beside small parts
     double narrowest = 0; // facets of curved walls, of the edge length; across smaller ones triangles lean
+    double spread = 0;    // of steps, from edge to edge: equal edges are not all divided at once
 };
 
 class EdgeSampler {
@@ -102,6 +103,7 @@ private:
     void divideEnds(size_t domain);
     void stagger(const Strip& strip);
     void pinBetween(const SampledEdge& lead, SampledEdge& follower) const;
+    double spreadOf(const SampledEdge& edge) const; // of its steps
     void divide(SampledEdge& edge) const;
     void fillBetweenPins(SampledEdge& edge) const;
     void easeCorners();

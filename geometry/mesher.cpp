@@ -37,11 +37,19 @@ constexpr double kColumn = 0.93;
 // Of the edge length: triangles lean across facets that are narrower. Models may have any number of them.
 constexpr double kNarrowest = 0.25, kNarrowestOfMany = 0.36;
 constexpr double kUniform = std::numeric_limits<double>::infinity();
+// Where the count comes in steps, as many edges are equally long; a better count is worth no worse angles.
+constexpr double kSpread = 0.25;
+constexpr double kOneStep = 0.15; // of the count: where it comes in larger steps nothing is gained
+constexpr double kWideAngle = 36; // degrees
 // From the gentlest growth of sizes round small parts to none at all, for when triangles are few; slots take
 // more of them than was thought where walls have small parts of their own.
-constexpr std::array kGradings{Grading{1.4, 0.6},           Grading{2.0, 1.0},
-                               Grading{1.4, 0.6, false},    Grading{2.0, 1.0, false},
-                               Grading{kUniform, kUniform}, Grading{kUniform, kUniform, false}};
+constexpr std::array kGradings{Grading{1.4, 0.6},
+                               Grading{2.0, 1.0},
+                               Grading{1.4, 0.6, false},
+                               Grading{2.0, 1.0, false},
+                               Grading{kUniform, kUniform},
+                               Grading{kUniform, kUniform, false},
+                               Grading{kUniform, kUniform, false, false, 0, kSpread}};
 constexpr double kFarTooMany = 1.4; // times what was asked for: such grading is for finer meshes
 // Of them, in narrow strips: where it is more, others are large beside them whatever is done about angles.
 constexpr double kManyNarrow = 0.15;
@@ -82,9 +90,11 @@ public:
     // Optimisation adds no more points than the count has room for, so that it is known before.
     PatchMesh mesh() {
         const bool sparing = sampler_.narrowTriangles(regular_) > kManyNarrow * wanted_;
-        std::optional<Plan> best;
+        std::optional<Plan> best, spread;
         for (const Grading& grading : kGradings) {
-            if (!grading.slots && !sampler_.hasSlots()) continue; // nothing else was tried
+            if (grading.spread > 0 ? off(best->count) > kOneStep * wanted_
+                                   : !grading.slots && !sampler_.hasSlots())
+                continue; // the building has more edges of its own; nothing else was tried
             grading_ = grading;
             grading_.sparing = sparing;
             grading_.narrowest = narrowest_;
@@ -98,14 +108,21 @@ public:
                 if (!chooseSizes(aim) && std::isfinite(grading.growth)) break;
                 const double count = finishDrafts();
                 const bool reached = off(count) <= kCountReached * wanted_;
-                if (reached || !best || off(count) < off(best->count))
-                    best.emplace(grading, count, std::move(drafts_), sampler_);
-                if (reached) return meshOnce(*best);
+                std::optional<Plan>& plan = grading.spread > 0 ? spread : best;
+                const double nearest = plan ? off(plan->count) : best ? off(best->count) : kUniform;
+                if (reached || off(count) < nearest)
+                    plan.emplace(grading, count, std::move(drafts_), sampler_);
+                if (reached && !spread) return meshOnce(*best);
+                if (reached) break;
                 draftedEdge_ = 0; // drafts may be gone
                 aim *= wanted_ / count;
             }
         }
-        return meshOnce(*best);
+        PatchMesh even = meshOnce(*best);
+        if (!spread) return even;
+        PatchMesh uneven = meshOnce(*spread);
+        const double angle = std::min(kWideAngle, measureMesh(even).minAngleDeg);
+        return measureMesh(uneven).minAngleDeg >= angle ? uneven : even;
     }
 
 private:

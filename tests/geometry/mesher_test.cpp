@@ -146,6 +146,17 @@ INSTANTIATE_TEST_SUITE_P(Sketches, MeshQualityOf,
                                          RoomQuality{"i02_pinwheel.sketch.json", 35.5, 0.33, 0.105}));
 
 // A box with a wall of six faces, two of them slivers: what lies in one plane is meshed as one.
+// Where edges are many and equally long, as uprights are, the count would jump past what was asked for.
+TEST(Mesher, few_triangles_are_as_many_as_asked_where_edges_are_alike) {
+    const Building building = buildingOf("walls20.json");
+    for (const size_t wanted : {280u, 300u, 320u}) {
+        const PatchMesh mesh = meshBuilding(building, {wanted});
+        expectNoTVertices(mesh);
+        EXPECT_NEAR(static_cast<double>(mesh.patchCount()), static_cast<double>(wanted),
+                    0.03 * static_cast<double>(wanted));
+    }
+}
+
 TEST(Mesher, seams_between_faces_of_one_plane_leave_no_trace) {
     Building box;
     const std::vector<double> splits{0, 0.01, 0.3, 0.3001, 1, 1.7, 2};
