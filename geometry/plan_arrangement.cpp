@@ -3,6 +3,8 @@
 #include "geometry/plan_arrangement.h"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <map>
 #include <numeric>
 #include <optional>
@@ -10,6 +12,7 @@
 
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Exact_rational.h>
+#include <CGAL/Fraction_traits.h>
 #include <CGAL/Interval_nt.h>
 
 namespace heliodon::geometry {
@@ -52,6 +55,27 @@ template<class Number> Coordinates<Number> crossingOf(const Line& s, const Line&
     return {s.a.x + along * (Number(s.b.x) - s.a.x), s.a.y + along * (Number(s.b.y) - s.a.y)};
 }
 
+// The same in whole numbers of what all coordinates are multiples of, in lowest terms once and not at each
+// step.
+Coordinates<Exact> exactCrossingOf(const Line& s, const Line& t) {
+    using Fraction = CGAL::Fraction_traits<Exact>;
+    using Whole = Fraction::Numerator_type;
+    constexpr int kDigits = std::numeric_limits<double>::digits, kFinest = -900;
+    int finest = 0;
+    for (const double x : {s.a.x, s.a.y, s.b.x, s.b.y, t.a.x, t.a.y, t.b.x, t.b.y})
+        if (x != 0) finest = std::min(finest, std::ilogb(x) - kDigits + 1);
+    if (finest < kFinest) return crossingOf<Exact>(s, t); // does not fit
+    const auto whole = [&](double x) { return Whole(std::ldexp(x, -finest)); };
+    const Whole ax = whole(s.a.x), ay = whole(s.a.y), dx = whole(s.b.x) - ax, dy = whole(s.b.y) - ay,
+                bx = whole(t.a.x), by = whole(t.a.y), ex = whole(t.b.x) - bx, ey = whole(t.b.y) - by;
+    const Whole below = dx * ey - dy * ex, along = (bx - ax) * ey - (by - ay) * ex;
+    const Whole denominator = below * whole(1);
+    const auto place = [&](const Whole& a, const Whole& d) -> Exact {
+        return Fraction::Compose()(Whole(a * below + along * d), denominator);
+    };
+    return {place(ax, dx), place(ay, dy)};
+}
+
 // An end of a segment, or where two cross.
 class Place {
 public:
@@ -84,7 +108,7 @@ public:
     const Coordinates<Exact>& exact() const {
         if (!exact_)
             exact_ = lines_.first == nullptr ? Coordinates<Exact>{end_.x, end_.y}
-                                             : crossingOf<Exact>(*lines_.first, *lines_.second);
+                                             : exactCrossingOf(*lines_.first, *lines_.second);
         return *exact_;
     }
 

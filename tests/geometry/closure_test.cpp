@@ -717,3 +717,17 @@ TEST(PlanArrangement, knows_what_lies_in_what) {
     std::ranges::sort(areas);
     EXPECT_EQ(areas, (std::vector<double>{-64, 4, 28, 32}));
 }
+
+// Two thirds and one third, rounded once, however fine the numbers are that say where the segments lie.
+TEST(PlanArrangement, crossings_are_rounded_once) {
+    for (const double unit : {1.0, 0x1p-40, 0x1p-300}) {
+        const PlanArrangement map =
+            arrange(std::vector<PlanSegment>{{{0, 0}, {2 * unit, unit}, 0}, {{unit, 0}, {0, unit}, 1}});
+        ASSERT_EQ(map.points.size(), 5u);
+        EXPECT_EQ(map.points[2], unit * glm::dvec2(2 / 3.0, 1 / 3.0)) << unit;
+    }
+    const PlanArrangement tiny =
+        arrange(std::vector<PlanSegment>{{{0, 0}, {8, 4}, 0}, {{4, 0x1p-1000}, {0, 4}, 1}});
+    ASSERT_EQ(tiny.points.size(), 5u);
+    EXPECT_EQ(tiny.points[2], glm::dvec2(8 / 3.0, 4 / 3.0));
+}
