@@ -65,7 +65,7 @@ std::vector<DarkOrNot> roomsByGlass(const ModelRooms& rooms, const RawModel& mod
         room.area += area;
         room.inwards += glm::dot(normal, areaVector(model.vertices, model.face(drawn))) < 0 ? -area : area;
     }
-    const std::vector<RoomMeasures> measures = measureRooms(ownTriangles(building));
+    const std::vector<RoomMeasures> measures = measureVolumes(ownTriangles(building));
     for (uint32_t r = 0; r < building.roomCount; ++r) {
         all[r].volume = measures[r].volume;
         for (const uint32_t material : all[r].others) all[r].floors.erase(material);

@@ -208,7 +208,7 @@ private:
         return building.roomCount < 2
                    ? 0
                    : static_cast<size_t>(std::ranges::count_if(
-                         measureRooms(ownTriangles(building)), [&](const RoomMeasures& room) {
+                         measureVolumes(ownTriangles(building)), [&](const RoomMeasures& room) {
                              return isLikeInsideOfWalls(room, reading_.worldPerBuilding(building.vertices));
                          }));
     }

@@ -32,9 +32,13 @@ public:
 
     std::vector<RoomMeasures> measure(double worldPerBuilding) {
         measureVolumes();
-        measureSurfaces();
         measureFloors(findFloors(mesh_, worldPerBuilding));
         countElements();
+        return std::move(rooms_);
+    }
+
+    std::vector<RoomMeasures> measureOnlyVolumes() {
+        measureVolumes();
         return std::move(rooms_);
     }
 
@@ -44,9 +48,6 @@ private:
         for (size_t i = 0; i < mesh_.patchCount(); ++i)
             if (seen.insert({mesh_.room[i], shells_.of(i)}).second)
                 rooms_[mesh_.room[i]].volume += shells_.volume(i);
-    }
-
-    void measureSurfaces() {
         for (size_t i = 0; i < mesh_.patchCount(); ++i) {
             rooms_[mesh_.room[i]].surface += patchArea(mesh_, i);
             if (mesh_.materials[mesh_.material[i]].isOpening())
@@ -65,6 +66,9 @@ private:
             for (const uint32_t v : mesh_.patch(i))
                 bottom[mesh_.room[i]] = std::min(bottom[mesh_.room[i]], mesh_.vertices[v].y);
         }
+        for (const size_t i : floors.lowest)
+            rooms_[mesh_.room[i]].overFloor +=
+                patchArea(mesh_, i) * (top[mesh_.room[i]] - patchCentroid(mesh_, i).y);
         for (const size_t i : floors.upper) rooms_[mesh_.room[i]].upperFloor += patchArea(mesh_, i);
         for (const size_t i : floors.undecided) rooms_[mesh_.room[i]].mayBeFloor.push_back(i);
         for (size_t r = 0; r < rooms_.size(); ++r)
@@ -135,11 +139,15 @@ bool isLikeInsideOfWalls(const RoomMeasures& room, double worldPerBuilding) {
 
 bool isLikeFloorAndWalls(const RoomMeasures& room) {
     constexpr double kFilled = 0.45;
-    return room.openings == 0 && room.volume < kFilled * (room.floorArea - room.upperFloor) * room.height;
+    return room.openings == 0 && room.volume < kFilled * room.overFloor;
 }
 
 std::vector<RoomMeasures> measureRooms(const PatchMesh& own, double worldPerBuilding) {
     return RoomMeasurer(own).measure(worldPerBuilding);
+}
+
+std::vector<RoomMeasures> measureVolumes(const PatchMesh& own) {
+    return RoomMeasurer(own).measureOnlyVolumes();
 }
 
 VolumeError worstVolumeError(const PatchMesh& own, const PatchMesh& mesh) {

@@ -10,12 +10,13 @@
 namespace heliodon::geometry {
 
 struct RoomMeasures {
-    double floorArea = 0;           // square metres; see findFloors()
-    double upperFloor = 0;          // of this, storeys and galleries over others
-    double volume = 0;              // cubic metres
-    double surface = 0;             // square metres, of all that bounds it
-    double openings = 0;            // of these, glass and open holes
-    double height = 0;              // metres, from the lowest floor to the highest point
+    double floorArea = 0;  // square metres; see findFloors()
+    double upperFloor = 0; // of this, storeys and galleries over others
+    double volume = 0;     // cubic metres
+    double surface = 0;    // square metres, of all that bounds it
+    double openings = 0;   // of these, glass and open holes
+    double height = 0;     // metres, from the lowest floor to the highest point
+    double overFloor = 0;  // cubic metres, straight over floor up to there, but for what is upper floor
     std::vector<size_t> mayBeFloor; // Floors::undecided
     int euler = 0; // V - E + F of the room's surfaces together: 2 for each, less 2 for each handle
 };
@@ -29,8 +30,10 @@ struct PaneCount {
 // The building's own faces in triangles.
 PatchMesh ownTriangles(const Building& building);
 
-// One entry a room; `own`: ownTriangles().
+// One entry a room; `own`: ownTriangles(). The second leaves floors and what is said of them, and `euler`, at
+// nought: floors take longest to find.
 std::vector<RoomMeasures> measureRooms(const PatchMesh& own, double worldPerBuilding = 1);
+std::vector<RoomMeasures> measureVolumes(const PatchMesh& own);
 
 // Twice its volume over its surface, metres: as deep as a thin room is.
 double meanDepth(const RoomMeasures& room);

@@ -10,7 +10,7 @@ namespace heliodon::geometry {
 
 SmallRooms leaveOutSmall(ModelRooms& rooms, double least) {
     Building& building = rooms.building;
-    const std::vector<RoomMeasures> measures = measureRooms(ownTriangles(building));
+    const std::vector<RoomMeasures> measures = measureVolumes(ownTriangles(building));
     DisjointSets joined(building.roomCount);
     for (const Face& face : building.faces)
         if (face.twin != kNoTwin) joined.join(face.room, building.faces[static_cast<size_t>(face.twin)].room);
@@ -47,7 +47,7 @@ SmallRooms leaveOutSmall(ModelRooms& rooms, double least) {
 }
 
 bool areAllSmall(const Building& building, double least) {
-    return std::ranges::all_of(measureRooms(ownTriangles(building)),
+    return std::ranges::all_of(measureVolumes(ownTriangles(building)),
                                [&](const RoomMeasures& room) { return room.volume < least; });
 }
 

@@ -19,6 +19,15 @@ TEST(RoomMeasures, an_empty_room) {
     EXPECT_EQ(rooms[0].euler, 2);
 }
 
+TEST(RoomMeasures, volumes_alone_are_the_same) {
+    const PatchMesh mesh = ownTriangles(BoxModel().building());
+    const RoomMeasures all = measureRooms(mesh)[0], some = measureVolumes(mesh)[0];
+    EXPECT_EQ(some.volume, all.volume);
+    EXPECT_EQ(some.surface, all.surface);
+    EXPECT_EQ(some.openings, all.openings);
+    EXPECT_EQ(some.floorArea, 0);
+}
+
 TEST(RoomMeasures, glass_is_part_of_the_surface) {
     Building building = BoxModel().building();
     building.materials.emplace_back().transmittance = glm::vec3(0.8f);
@@ -116,7 +125,8 @@ TEST(RoomMeasures, a_floor_and_walls_drawn_as_one_body_are_told_from_rooms) {
     EXPECT_TRUE(likeWalls({{0, 0}, {6, 0}, {6, 3}, {5.5, 3}, {5.5, 0.3}, {0.5, 0.3}, {0.5, 3}, {0, 3}}));
     EXPECT_FALSE(likeWalls({{0, 0}, {6, 0}, {6, 3}, {0, 3}}));
     EXPECT_FALSE(likeWalls({{0, 0}, {6, 0}, {3, 4}}));
-    EXPECT_FALSE(likeWalls({{0, 0}, {6, 0}, {6, 3}, {3, 3}, {3, 5}, {0, 5}})); // half of it higher
+    EXPECT_FALSE(likeWalls({{0, 0}, {6, 0}, {6, 3}, {3, 3}, {3, 5}, {0, 5}}));     // half of it higher
+    EXPECT_FALSE(likeWalls({{0, 0}, {5, 0}, {5, -10}, {6, -10}, {6, 3}, {0, 3}})); // a shaft
 }
 
 TEST(RoomMeasures, panes_are_counted_by_pieces_of_glass) {
