@@ -2,51 +2,41 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <map>
 #include <optional>
+#include <set>
 #include <utility>
 
 #include <glm/geometric.hpp>
 
-#include "geometry/bounds.h"
-#include "geometry/box_tree.h"
+#include "geometry/air_over_patches.h"
+#include "geometry/decks.h"
 
 namespace heliodon::geometry {
 
 namespace {
 
-constexpr double kWalkable = 0.98; // of the normal's rise: ramps up to 11 degrees
-constexpr double kUpright = 1e-6;  // of the normal's rise
-constexpr double kInfinite = std::numeric_limits<double>::infinity();
+constexpr double kWalkable = 0.969; // of the normal's rise: ramps up to 14 degrees
 
 // Metres of the building.
-constexpr double kStep = 0.25;
-constexpr double kRise = 0.3, kGap = 0.3; // from a tread of a stair to the next one
-constexpr double kLastRise = 0.55;        // to what it leads to, where the last tread is not drawn
-constexpr double kHeadroom = 2;
-constexpr double kThickest = 1; // of a floor, from what one walks on to the ceiling beneath
-constexpr double kLeastArea = 1.5, kLeastWidth = 0.6;
-constexpr double kCupboard = 0.9; // no single row of cupboards is so wide
+constexpr double kRise = 0.3, kGap = 0.3;           // from a tread of a stair to the next one
+constexpr double kLastRise = 0.55;                  // to what it leads to, where the last tread is not drawn
+constexpr double kSame = 0.01;                      // of heights
+constexpr double kCupboard = 0.9;                   // no single row of cupboards is so wide
+constexpr double kLowStage = 0.6, kHighStage = 1.2; // tables are higher; few stages are
+constexpr double kOneWall = 0.1, kFewWalls = 0.2, kSomeWalls = 0.4, kManyWalls = 0.52; // see walls()
+constexpr double kBedHeight = 0.7, kBedArea = 5.5;                                     // at most
 
-// Level patches that hang together by their edges.
-struct Level {
-    std::vector<size_t> patches;
-    double low = kInfinite, high = -kInfinite;
-    double area = 0, perimeter = 0;
-    Bounds box;
-    bool isReached = false; // by stairs or steps
-
-    // Of a rectangle of that area and perimeter.
-    double width() const {
-        const double half = perimeter / 2;
-        return 0.5 * (half - std::sqrt(std::max(0.0, half * half - 4 * area)));
-    }
+// Of what is level, at least.
+struct Size {
+    double area, width;
 };
+constexpr Size kFloor{1.5, 0.6}, kMain{6, 0.9}, kStage{6, 1.8}, kSmallStage{4, 1.4}, kTerrace{4, 0.75};
+constexpr Size kNoTable{6, 2.5}, kNoLongTable{12, 1.8}; // that stands free
 
 class FloorFinder {
 public:
-    FloorFinder(const PatchMesh& mesh, double scale) : mesh_(mesh), scale_(scale) {}
+    FloorFinder(const PatchMesh& mesh, double scale) : mesh_(mesh), scale_(scale), air_(mesh, scale) {}
 
     Floors find() {
         Shells shells(mesh_);
@@ -59,51 +49,198 @@ public:
     }
 
 private:
-    double low(size_t patch) const {
-        double low = kInfinite;
-        for (const uint32_t v : mesh_.patch(patch)) low = std::min(low, mesh_.vertices[v].y);
-        return low;
-    }
-
-    double high(size_t patch) const {
-        double high = -kInfinite;
-        for (const uint32_t v : mesh_.patch(patch)) high = std::max(high, mesh_.vertices[v].y);
-        return high;
-    }
-
     // Of one room.
-    void findIn(std::vector<size_t>& patches, const std::vector<size_t>& furniture) {
-        std::ranges::stable_sort(patches, {}, [&](size_t i) { return low(i); });
-        double reached = low(patches[0]);
-        size_t next = 0;
-        for (; next < patches.size() && low(patches[next]) <= reached + kStep * scale_; ++next) {
-            reached = std::max(reached, high(patches[next]));
-            out_.lowest.push_back(patches[next]);
+    void findIn(const std::vector<size_t>& patches, const std::vector<size_t>& furniture) {
+        decks_.emplace(mesh_, patches, scale_);
+        known_.clear();
+        std::vector<Deck>& decks = decks_->all();
+        const auto first = firstFloor();
+        area_ = 0, first_ = main_ = &*first;
+        for (Deck& deck : std::ranges::subrange(decks.begin(), first))
+            if (isFree(deck, kFloor)) take(deck);
+        take(*first);
+        const std::ranges::subrange above(first + 1, decks.end());
+        if (!above.empty()) {
+            for (Deck& deck : above)
+                if (isStage(deck, true)) take(deck);
+            std::vector<Level> treads = levelsOf(mesh_, furniture);
+            climb(treads);
+            for (Deck& deck : above)
+                if (!deck.isFloor) judge(deck);
         }
-        if (next == patches.size()) return;
-        least_ = low(patches[0]) + kHeadroom * scale_;
-        const auto rest = patches.begin() + static_cast<ptrdiff_t>(next);
-        std::vector<Level> levels = levelsOf({rest, patches.end()}), treads = levelsOf(furniture),
-                           below = levelsOf({patches.begin(), rest});
-        for (Level& level : below) level.isReached = true;
-        climb(levels, treads, below);
-        for (const Level& level : levels) {
-            if (level.low > reached + kStep * scale_ && !isStorey(level, reached)) continue;
-            reached = std::max(reached, level.high);
-            out_.upper.insert(out_.upper.end(), level.patches.begin(), level.patches.end());
+        std::set<size_t> isUpper;
+        std::vector<const Level*> upper;
+        for (const Deck& deck : decks)
+            for (const Level& level : deck.levels)
+                if (deck.isFloor && (deck.isUpper || isOverFloor(deck, level))) {
+                    upper.push_back(&level);
+                    isUpper.insert(level.patches.begin(), level.patches.end());
+                }
+        for (size_t k = 0; k < decks_->patches().size(); ++k)
+            if (const size_t i = decks_->patches()[k]; decks_->of(k).isFloor && !isUpper.contains(i))
+                out_.lowest.push_back(i);
+        std::ranges::stable_sort(upper, {}, [](const Level* level) { return level->low; });
+        for (const Level* level : upper)
+            out_.upper.insert(out_.upper.end(), level->patches.begin(), level->patches.end());
+    }
+
+    // Of a deck to parts of which stairs lead.
+    bool isOverFloor(const Deck& deck, const Level& level) {
+        return level.low >= deck.low() + kHeadroom * scale_ && level.area >= kFloor.area * scale_ * scale_ &&
+               air_.of(level.patches, level.area).walkedUnderInRoom >= kFloor.area;
+    }
+
+    void take(Deck& deck) {
+        deck.isFloor = true;
+        for (Level& level : deck.levels) level.isReached = true;
+        area_ += deck.area;
+    }
+
+    // The lowest that is large and has headroom; what is below it and as good as none does not count where
+    // there is one that is like a room's main floor.
+    std::vector<Deck>::iterator firstFloor() {
+        std::vector<Deck>& decks = decks_->all();
+        if (decks.size() == 1 || isFree(decks[0], kFloor)) return decks.begin();
+        const auto first = std::ranges::find_if(
+            decks, [&](const Deck& deck) { return isFree(deck, kStage) && walls(deck) >= kFewWalls; });
+        return first == decks.end() ? decks.begin() : first;
+    }
+
+    // From floor beside it, or from the main floor's height where that is nearer.
+    Decks::Rise riseOf(const Deck& deck, bool orTerraces) {
+        Decks::Rise rise = decks_->riseOf(
+            deck, [&](const Deck& from) { return from.isFloor || (orTerraces && from.mayBeTerrace); });
+        if (deck.low() > main_->low()) rise.height = std::min(rise.height, deck.low() - main_->low());
+        return rise;
+    }
+
+    // Whether one runs along the other, as rows of seats do.
+    bool isAlong(const Bounds& a, const Bounds& b) const {
+        const auto longest = [](const glm::dvec3& size) { return std::max(size.x, size.z); };
+        const glm::dvec3 both = glm::min(a.high, b.high) - glm::max(a.low, b.low);
+        return longest(both) >= 0.8 * std::max(longest(a.high - a.low), longest(b.high - b.low));
+    }
+
+    bool is(const Deck& deck, Size size) const {
+        return deck.area >= size.area * scale_ * scale_ && deck.width >= size.width * scale_;
+    }
+
+    const Air& airOf(const Deck& deck) {
+        const auto [air, isNew] = known_.try_emplace(&deck);
+        if (isNew) air->second = air_.of(deck.patches(), deck.area);
+        return air->second;
+    }
+
+    bool isFree(const Deck& deck, Size size) { return is(deck, size) && airOf(deck).free >= size.area; }
+
+    // What lies at a height between walls, building metres, if it is larger than all floor so far; else 0.
+    double mainArea(const Deck& deck) {
+        double most = 0, area = 0; // the second with walls, which take longer to find
+        const auto addTo = [&](double& sum, const auto& counts) {
+            for (const Deck& other : decks_->all())
+                if (std::abs(other.low() - deck.low()) <= kSame * scale_ && counts(other)) sum += other.area;
+            return sum >= 1.25 * area_;
+        };
+        const auto hasWalls = [&](const Deck& other) { return walls(other) >= kManyWalls; };
+        if (!addTo(most, [](const Deck&) { return true; }) || !hasWalls(deck) || !addTo(area, hasWalls))
+            return 0;
+        return area / (scale_ * scale_);
+    }
+
+    // Floor without stairs that lead there.
+    bool isStage(Deck& deck, bool orTerraces) {
+        const double metre = scale_, square = scale_ * scale_;
+        const auto isAsHighAs = [&](const Deck& other) {
+            return std::abs(deck.low() - other.low()) <= kStep * metre;
+        };
+        if (isAsHighAs(*first_) || (isAsHighAs(*main_) && walls(deck) > 0)) return true;
+        if (deck.area < kFloor.area * square) return false;
+        const Air air = airOf(deck);
+        if (air.free < kFloor.area || 2 * air.over * square > deck.area) return false;
+        if (mainArea(deck) >= kMain.area ||
+            (is(deck, kMain) && deck.area >= 1.01 * area_ && walls(deck) >= kSomeWalls)) {
+            main_ = &deck;
+            return true;
         }
+        if (air.free < kTerrace.area) return false;
+        const Decks::Rise rise = riseOf(deck, orTerraces);
+        if (rise.height >= kHeadroom * metre) return false;
+        if (rise.height > kHighStage * metre && walls(deck) < kManyWalls) return false;
+        if (is(deck, kStage) && air.free >= kStage.area &&
+            (rise.height <= kLowStage * metre || walls(deck) >= kFewWalls))
+            return true;
+        if (!is(deck, kTerrace)) return false;
+        deck.mayBeTerrace = true;
+        if (!rise.from || !rise.from->mayBeTerrace || !isAlong(deck.largest().box, rise.from->largest().box))
+            return false;
+        if (!rise.from->isFloor) take(*rise.from);
+        return true;
+    }
+
+    // Of what is no floor without stairs: floor where they lead, or undecided.
+    void judge(Deck& deck) {
+        const double metre = scale_;
+        if (isStage(deck, false)) return take(deck);
+        const bool isMain = deck.area >= kFloor.area * metre * metre && mainArea(deck) > 0;
+        if (!is(deck, kFloor) && !isMain) return;
+        const Air air = airOf(deck);
+        if (air.free < kFloor.area) return;
+        const double rise = riseOf(deck, false).height;
+        const bool isHigh = rise >= kHeadroom * metre,
+                   isStorey = isHigh || air.walkedUnderInRoom >= kFloor.area;
+        const bool mayBeFloor =
+            isStorey ? air.walkedUnder >= kFloor.area || (isHigh && deck.width >= kCupboard * metre)
+                     : isMain || mayBeStage(deck, rise);
+        if (!mayBeFloor) return;
+        const bool isReached = std::ranges::any_of(deck.levels, &Level::isReached);
+        if (!isReached || (!isStorey && rise <= kLastRise * metre))
+            return out_.undecided.push_back(deck.largest().patches[0]);
+        deck.isUpper = isStorey;
+        take(deck);
+    }
+
+    bool mayBeStage(const Deck& deck, double rise) {
+        const double metre = scale_;
+        if (deck.area < kBedArea * metre * metre && rise <= kBedHeight * metre) return false;
+        if (!is(deck, kSmallStage) && !(is(deck, kTerrace) && rise <= kLastRise * metre)) return false;
+        return walls(deck) >= kOneWall || is(deck, kNoTable) || is(deck, kNoLongTable);
+    }
+
+    // Share of the border from which something goes up.
+    double walls(const Deck& deck) {
+        if (risen_.empty())
+            for (size_t i = 0; i < mesh_.patchCount(); ++i) {
+                if (patchNormal(mesh_, i).y > kWalkable) continue;
+                const double middle = patchCentroid(mesh_, i).y;
+                const auto corner = mesh_.patch(i);
+                for (size_t c = 0; c < corner.size(); ++c) {
+                    const std::pair<uint32_t, uint32_t> edge =
+                        std::minmax(corner[c], corner[(c + 1) % corner.size()]);
+                    if (middle > 0.5 * (mesh_.vertices[edge.first].y + mesh_.vertices[edge.second].y))
+                        risen_.insert(edge);
+                }
+            }
+        double up = 0, all = 0;
+        for (const Level& level : deck.levels) {
+            all += level.perimeter;
+            for (const auto& edge : level.border)
+                if (risen_.contains(edge))
+                    up += glm::distance(mesh_.vertices[edge.first], mesh_.vertices[edge.second]);
+        }
+        return up / all;
     }
 
     // By stairs, of whatever stands in the room.
-    void climb(std::vector<Level>& levels, std::vector<Level>& treads, std::vector<Level>& below) const {
+    void climb(std::vector<Level>& treads) {
         std::vector<Level*> all, todo;
-        for (std::vector<Level>* some : {&levels, &treads, &below})
-            for (Level& level : *some) all.push_back(&level);
+        for (Level& level : treads) all.push_back(&level);
+        for (Deck& deck : decks_->all())
+            for (Level& level : deck.levels) all.push_back(&level);
         std::ranges::sort(all, {}, [](const Level* l) { return l->low; });
         for (Level* level : all)
             if (level->isReached) todo.push_back(level);
         const double rise = kRise * scale_, last = kLastRise * scale_, gap = kGap * scale_,
-                     large = kLeastArea * scale_ * scale_;
+                     large = kFloor.area * scale_ * scale_;
         while (!todo.empty()) {
             const Level& from = *todo.back();
             todo.pop_back();
@@ -120,124 +257,16 @@ private:
         }
     }
 
-    // From the lowest.
-    std::vector<Level> levelsOf(const std::vector<size_t>& patches) const {
-        std::map<std::pair<uint32_t, uint32_t>, uint32_t> edges; // of one patch only
-        DisjointSets joined(patches.size());
-        const auto forEdges = [&](size_t k, const auto& what) {
-            const auto corner = mesh_.patch(patches[k]);
-            for (size_t c = 0; c < corner.size(); ++c)
-                what(std::minmax(corner[c], corner[(c + 1) % corner.size()]));
-        };
-        for (uint32_t k = 0; k < patches.size(); ++k)
-            forEdges(k, [&](std::pair<uint32_t, uint32_t> edge) {
-                const auto [other, isNew] = edges.insert({edge, k});
-                if (isNew) return;
-                joined.join(k, other->second);
-                edges.erase(other);
-            });
-        std::map<uint32_t, Level> levels;
-        for (uint32_t k = 0; k < patches.size(); ++k) {
-            Level& level = levels[joined.root(k)];
-            level.patches.push_back(patches[k]);
-            const Bounds box = boundsOf(patchCorners(mesh_, patches[k]));
-            level.box = level.patches.size() == 1 ? box : united(level.box, box);
-            level.low = std::min(level.low, low(patches[k]));
-            level.high = std::max(level.high, high(patches[k]));
-            level.area += patchArea(mesh_, patches[k]);
-        }
-        for (const auto& [edge, k] : edges)
-            levels[joined.root(k)].perimeter +=
-                glm::distance(mesh_.vertices[edge.first], mesh_.vertices[edge.second]);
-        std::vector<Level> sorted;
-        for (auto& [root, level] : levels) sorted.push_back(std::move(level));
-        std::ranges::stable_sort(sorted, {}, &Level::low);
-        return sorted;
-    }
-
-    // About 200 points or fewer, equally dense.
-    std::vector<glm::dvec3> pointsOn(const Level& level) const {
-        constexpr double kApart = 0.4; // building metres
-        const double each = std::max(std::pow(kApart * scale_, 2), level.area / 200);
-        std::vector<glm::dvec3> points;
-        double due = 0.5;
-        for (const size_t i : level.patches) {
-            const std::vector<glm::dvec3> p = patchCorners(mesh_, i);
-            for (size_t c = 2; c < p.size(); ++c) { // middles of n x n parts of each triangle
-                const glm::dvec3 u = p[c - 1] - p[0], v = p[c] - p[0];
-                due += 0.5 * glm::length(glm::cross(u, v)) / each;
-                const double n = std::floor(std::sqrt(due));
-                due -= n * n;
-                for (double a = 0; a < n; ++a)
-                    for (double b = 0; a + b < n; ++b) {
-                        points.push_back(p[0] + ((a + 1.0 / 3) * u + (b + 1.0 / 3) * v) / n);
-                        if (a + b + 1 < n)
-                            points.push_back(p[0] + ((a + 2.0 / 3) * u + (b + 2.0 / 3) * v) / n);
-                    }
-            }
-        }
-        return points;
-    }
-
-    // What is not upright, by where it is seen from above.
-    void arrange() {
-        if (columns_) return;
-        for (size_t i = 0; i < mesh_.patchCount(); ++i) {
-            const double rise = patchNormal(mesh_, i).y;
-            if (std::abs(rise) < kUpright) continue;
-            Bounds box = boundsOf(patchCorners(mesh_, i));
-            box.low.y = -kInfinite, box.high.y = kInfinite;
-            boxes_.push_back(box);
-            sloping_.emplace_back(i, rise > 0);
-        }
-        columns_.emplace(boxes_);
-    }
-
-    // The nearest height at which a ceiling or a floor lies straight above p, or below.
-    double nearest(glm::dvec3 p, bool above, bool isFloor) const {
-        const double apart = 1e-4 * scale_;
-        double best = above ? kInfinite : -kInfinite;
-        columns_->anyHolding({p.x, 0, p.z}, {p.x, 0, p.z}, [&](uint32_t k) {
-            if (sloping_[k].second != isFloor) return false;
-            const double h = heightAt(mesh_, sloping_[k].first, p.x, p.z, 1e-9 * scale_ * scale_);
-            if (above && h > p.y + apart) best = std::min(best, h);
-            if (!above && h < p.y - apart) best = std::max(best, h);
-            return false;
-        });
-        return best;
-    }
-
-    bool isStorey(const Level& level, double reached) {
-        const double metre = scale_, square = scale_ * scale_;
-        if (level.low < least_ || level.area < kLeastArea * square || level.width() < kLeastWidth * metre)
-            return false;
-        arrange();
-        double points = 0, free = 0, walkedUnder = 0;
-        for (const glm::dvec3 p : pointsOn(level)) {
-            ++points;
-            if (nearest(p, true, false) < p.y + kHeadroom * metre) continue;
-            ++free;
-            const double ceiling = nearest(p, false, false);
-            if (ceiling < p.y - kThickest * metre) continue;
-            if (ceiling - nearest({p.x, ceiling, p.z}, false, true) >= kHeadroom * metre) ++walkedUnder;
-        }
-        const auto isEnough = [&](double some, double least) {
-            return some * level.area >= least * square * points;
-        };
-        if (!isEnough(free, kLeastArea)) return false;
-        const bool fits = isEnough(walkedUnder, kLeastArea) ||
-                          (level.low >= reached + kHeadroom * metre && level.width() >= kCupboard * metre);
-        if (fits && !level.isReached) out_.undecided.push_back(level.patches[0]);
-        return fits && level.isReached;
-    }
-
     const PatchMesh& mesh_;
-    double scale_;                                 // world metres a metre of building
-    double least_ = 0;                             // height of a room's upper floors
-    std::vector<std::pair<size_t, bool>> sloping_; // patches, and whether they look up
-    std::vector<Bounds> boxes_;                    // of these
-    std::optional<BoxTree> columns_;
+    double scale_; // world metres a metre of building
+    AirOverPatches air_;
+    std::set<std::pair<uint32_t, uint32_t>> risen_; // edges from which something goes up
     Floors out_;
+    // Of one room:
+    std::optional<Decks> decks_;
+    std::map<const Deck*, Air> known_;        // airOf()
+    Deck *first_ = nullptr, *main_ = nullptr; // the lowest floor, and that beside pits
+    double area_ = 0;                         // of what is floor
 };
 
 } // namespace

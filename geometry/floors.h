@@ -27,20 +27,28 @@ private:
 
 // Patches, of each room from the lowest.
 struct Floors {
-    std::vector<size_t> lowest;
+    std::vector<size_t> lowest;    // over no other floor of its room: main floors, pits, stages, stairs
     std::vector<size_t> upper;     // of storeys and galleries that share the air of what is below them
-    std::vector<size_t> undecided; // one of each surface that may be a gallery, but for stairs: taken as
-                                   // no floor
+    std::vector<size_t> undecided; // one of each surface that may be a gallery or a stage: taken as no floor
 };
 
-// Floor is what one can walk on: level faces and ramps of the shell that encloses a room (things that stand
-// free in it have no floor), the lowest ones and all that rise by no more than 0.25 m (of the building, of
-// which one metre is `worldPerBuilding` in the mesh) over what is reached already; so the tops of tables,
-// partitions and shelves are none, while those of stairs and low platforms are. Then what stairs lead to, of
-// treads that rise by 0.3 m at most (the last one 0.55), whatever they are drawn as, and what is reached
-// from it: as large as 1.5 m2 and as wide as 0.6 m, with 2 m of air over it and 2 m beneath, right under its
-// slab, in this room or another; over a body without air, 2 m over the floors below and 0.9 m wide. The same
-// without stairs is undecided.
+// Floor is what one can walk on: level faces, and ramps up to 14 degrees, of the shell that encloses a room
+// (things that stand free in it have no floor), as decks: what hangs together by its edges or lies beside it
+// within a step of 0.25 m (of the building, of which one metre is `worldPerBuilding` in the mesh). So the
+// tops of tables, partitions and shelves are none, while those of stairs and low platforms are.
+// - The lowest deck of 1.5 m2, 0.6 m wide, with 2 m of air over it; the lowest of all where none is.
+// - Main floors over pits: larger than all floor below, 6 m2, 0.9 m wide, walls along 40 % of their border,
+// or
+//   at one height 1.25 times as large with walls along 52 %. Where these have less than 6 m2: undecided.
+// - Stages less than 2 m over floor: 6 m2 and 1.8 m wide; above 0.6 m with walls along 20 %, above 1.2 m
+// along
+//   52 %. Terraces, 4 m2 and 0.75 m wide, that rise along one another, two or more, likewise.
+// - What stairs lead to, of treads that rise by 0.3 m at most (the last one 0.55), whatever they are drawn
+// as:
+//   stages of 4 m2, 1.4 m wide; and as large as 1.5 m2 and as wide as 0.6 m, with 2 m of air over it and 2 m
+//   beneath, right under its slab, in this room or another, or 2 m over the floor beside it and 0.9 m wide.
+//   Without stairs this is undecided, but for small stages that are as low and small as beds, or stand free
+//   and are no wider than tables.
 Floors findFloors(const PatchMesh& mesh, double worldPerBuilding = 1);
 
 // Height at which a vertical line crosses a patch that is not upright; NaN beside it. `slack`: twice the area

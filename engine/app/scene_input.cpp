@@ -124,8 +124,8 @@ void reportImport(Run& run, const geometry::PatchMesh& mesh, const geometry::Bui
         for (const size_t i : rooms[r].mayBeFloor) {
             const glm::dvec3 p = modelFromWorld(geometry::patchCentroid(own, i), up);
             run.warn(
-                fmt::format("what lies level at ({:.4g}, {:.4g}, {:.4g}) in room {} may be a gallery: no "
-                            "stairs lead there, and it was taken as no floor",
+                fmt::format("what lies level at ({:.4g}, {:.4g}, {:.4g}) in room {} may be a gallery or a "
+                            "stage: no stairs lead there, and it was taken as no floor",
                             p.x, p.y, p.z, r));
         }
     for (const geometry::RoomMeasures& room : rooms)

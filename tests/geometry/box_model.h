@@ -2,8 +2,10 @@
 
 #include <fstream>
 #include <string>
+#include <string_view>
 
 #include <fmt/format.h>
+#include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 #include <gtest/gtest.h>
 
@@ -17,11 +19,27 @@ class BoxModel {
 public:
     explicit BoxModel(double height = 3) { add({0, 0, 0}, {6, height, 5}, true); }
 
-    void add(glm::dvec3 low, glm::dvec3 high, bool inside = false) {
+    // A pit in the floor, whose bottom this is.
+    BoxModel(double height, glm::dvec3 low, glm::dvec3 high) {
+        add({0, 0, 0}, {6, height, 5}, true, kBottom);
+        for (const auto& [a, b] : {std::pair(glm::dvec2(0, 0), glm::dvec2(6, low.z)),
+                                   std::pair(glm::dvec2(0, high.z), glm::dvec2(6, 5)),
+                                   std::pair(glm::dvec2(0, low.z), glm::dvec2(low.x, high.z)),
+                                   std::pair(glm::dvec2(high.x, low.z), glm::dvec2(6, high.z))}) {
+            text_ += fmt::format("v {} 0 {}\nv {} 0 {}\nv {} 0 {}\nv {} 0 {}\n", a.x, a.y, a.x, b.y, b.x, b.y,
+                                 b.x, a.y);
+            text_ += fmt::format("f {} {} {} {}\n", first_, first_ + 1, first_ + 2, first_ + 3);
+            first_ += 4;
+        }
+        add(low, {high.x, 0, high.z}, true, kTop);
+    }
+
+    void add(glm::dvec3 low, glm::dvec3 high, bool inside = false, std::string_view without = "") {
         for (int k = 0; k < 8; ++k)
             text_ += fmt::format("v {} {} {}\n", k & 1 ? high.x : low.x, k & 2 ? high.y : low.y,
                                  k & 4 ? high.z : low.z);
-        for (const auto& f : {"0264", "1573", "0451", "2376", "0132", "4675"}) {
+        for (const std::string_view f : {"0264", "1573", "0451", "2376", "0132", "4675"}) {
+            if (f == without) continue;
             std::string face = "f";
             for (int k = 0; k < 4; ++k) face += fmt::format(" {}", first_ + f[inside ? k : 3 - k] - '0');
             text_ += face + "\n";
@@ -45,6 +63,8 @@ public:
     }
 
 private:
+    static constexpr std::string_view kBottom = "0451", kTop = "2376";
+
     std::string text_;
     int first_ = 1;
 };
