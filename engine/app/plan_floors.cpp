@@ -21,11 +21,13 @@ namespace {
 // Building metres: what looks up so far above the rest of its room is a floor of its own, and upper floor
 // (geometry/floors.h) that lies so far above the last.
 constexpr double kApart = 2.4, kHeadroom = 2;
+constexpr double kStep = 0.25;
 constexpr double kOnFloor = 1e-6; // world metres below a floor that a sensor on it may be by rounding
 
 struct Level {
     std::vector<size_t> patches; // that look up, of one room, from the lowest
     bool isUpper;                // whether upper floor begins it
+    std::set<size_t> walked{};   // of these, floor of several heights
 };
 
 // Apart where a person stands between.
@@ -34,8 +36,10 @@ std::vector<Level> levelsOf(const geometry::PatchMesh& mesh, double worldPerBuil
     for (size_t i = 0; i < mesh.patchCount(); ++i)
         if (geometry::patchNormal(mesh, i).y > 0.5)
             rooms[mesh.room[i]].emplace_back(geometry::patchCentroid(mesh, i).y, i);
-    std::vector<bool> isUpper(mesh.patchCount());
-    for (const size_t i : geometry::findFloors(mesh, worldPerBuilding).upper) isUpper[i] = true;
+    const geometry::Floors walked = geometry::findFloors(mesh, worldPerBuilding);
+    std::vector<bool> isUpper(mesh.patchCount()), isWalked(mesh.patchCount());
+    for (const size_t i : walked.upper) isUpper[i] = isWalked[i] = true;
+    for (const size_t i : walked.lowest) isWalked[i] = true;
     std::vector<Level> levels;
     for (auto& [room, patches] : rooms) {
         std::ranges::sort(patches);
@@ -45,14 +49,21 @@ std::vector<Level> levelsOf(const geometry::PatchMesh& mesh, double worldPerBuil
             if (height - last > kApart * worldPerBuilding || begins)
                 levels.push_back({{}, isUpper[patch]}), first = height;
             levels.back().patches.push_back(patch), last = height;
+            if (isWalked[patch]) levels.back().walked.insert(patch);
         }
+    }
+    const auto height = [&](size_t i) { return geometry::patchCentroid(mesh, i).y; };
+    for (Level& level : levels) {
+        const auto [low, high] = std::ranges::minmax_element(level.walked, {}, height);
+        if (!level.walked.empty() && height(*high) - height(*low) <= kStep * worldPerBuilding)
+            level.walked.clear();
     }
     return levels;
 }
 
 std::vector<PlanFloor> floorsOf(const geometry::PatchMesh& mesh, const std::vector<Level>& levels) {
     std::vector<PlanFloor> floors;
-    for (const auto& [patches, isUpper] : levels)
+    for (const auto& [patches, isUpper, walked] : levels)
         floors.push_back({mesh.room[patches[0]], geometry::patchCentroid(mesh, patches[0]).y, patches,
                           FloorCells(mesh, patches), borders(mesh, patches)});
     return floors;
@@ -80,7 +91,12 @@ std::vector<Level> levelsShown(const geometry::PatchMesh& mesh, const PlanValues
         if (given.normals[s].y < 0.5) continue;
         const size_t f = floorBelow(floors, given.points[s]);
         if (f == floors.size()) continue;
-        used[f] = true, above = std::max(above, given.points[s].y - floors[f].height);
+        const glm::dvec3 p = given.points[s];
+        double under = floors[f].height;
+        for (const size_t i : levels[f].walked)
+            if (const double h = geometry::heightAt(mesh, i, p.x, p.z, 0); h <= p.y)
+                under = std::max(under, h);
+        used[f] = true, above = std::max(above, p.y - under);
     }
     std::vector<Level> shown;
     for (size_t f = 0; f < floors.size(); ++f) {
@@ -88,7 +104,8 @@ std::vector<Level> levelsShown(const geometry::PatchMesh& mesh, const PlanValues
         if (!used[f] && !isStorey && f > 0 && floors[f].room == floors[f - 1].room) continue;
         if (!given.points.empty())
             std::erase_if(levels[f].patches, [&](size_t i) {
-                return geometry::patchCentroid(mesh, i).y > floors[f].height + std::max(above, 0.0);
+                return !levels[f].walked.contains(i) &&
+                       geometry::patchCentroid(mesh, i).y > floors[f].height + std::max(above, 0.0);
             });
         shown.push_back(std::move(levels[f]));
     }

@@ -46,8 +46,9 @@ struct PlanFloor {
 
 // A sensor stands over the highest floor below it. Floors of which one lies over another are of different
 // storeys, others of that whose height is nearest; without any sensor all storeys are there, with all in them
-// that looks up below a person's height. Tops of walls that no sensor stands above are no floor. Of several
-// sensors at one place over a floor the first is taken.
+// that looks up below a person's height. Tops of walls that no sensor stands above are no floor, nor is what
+// is as high as sensors stand over floor, but for such floor itself (pits, stages). Of several sensors at one
+// place over a floor the first is taken.
 std::vector<PlanFloor> planFloors(const Scene& scene, const PlanValues& given);
 
 // "floors from 3.00 m", building metres, of some of a storey.

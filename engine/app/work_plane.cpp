@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include <fmt/format.h>
 #include <glm/geometric.hpp>
@@ -18,7 +19,9 @@ constexpr double kInside = 1e-9; // of the extent, when a point lies on an edge 
 struct Room {
     glm::dvec3 low{1e300}, high{-1e300};
     std::vector<size_t> patches; // that a vertical line can cross
-    std::vector<size_t> upper;   // of these, floor of storeys over others
+    std::set<size_t> lowest;     // of these, floor that lies over no other
+    double lowestFloor = 1e300;
+    std::vector<size_t> upper; // floor of storeys over others
 };
 
 std::vector<Room> roomsOf(const geometry::PatchMesh& mesh, double worldPerBuilding) {
@@ -32,8 +35,16 @@ std::vector<Room> roomsOf(const geometry::PatchMesh& mesh, double worldPerBuildi
         }
         if (std::abs(geometry::patchNormal(mesh, i).y) > 1e-6) room.patches.push_back(i);
     }
-    for (const size_t i : geometry::findFloors(mesh, worldPerBuilding).upper)
-        rooms[mesh.room[i]].upper.push_back(i);
+    const geometry::Floors floors = geometry::findFloors(mesh, worldPerBuilding);
+    for (const size_t i : floors.lowest) {
+        Room& room = rooms[mesh.room[i]];
+        room.lowest.insert(i);
+        for (const uint32_t corner : mesh.patch(i))
+            room.lowestFloor = std::min(room.lowestFloor, mesh.vertices[corner].y);
+    }
+    for (const size_t i : floors.upper) rooms[mesh.room[i]].upper.push_back(i);
+    for (Room& room : rooms)
+        if (room.lowest.empty()) room.lowestFloor = room.low.y;
     return rooms;
 }
 
@@ -46,7 +57,8 @@ std::vector<double> floorsAt(const geometry::PatchMesh& mesh, const Room& room, 
     for (size_t i : room.patches) {
         if (geometry::patchNormal(mesh, i).y < 0.9) continue;
         const double h = geometry::heightAt(mesh, i, x, z, slack);
-        if (h <= room.low.y + step && !(h >= floors[0])) floors[0] = h;
+        if (std::isnan(h) || h >= floors[0]) continue;
+        if (room.lowest.contains(i) || (h >= room.lowestFloor && h <= room.lowestFloor + step)) floors[0] = h;
     }
     for (size_t i : room.upper)
         if (const double h = geometry::heightAt(mesh, i, x, z, slack); !std::isnan(h)) floors.push_back(h);

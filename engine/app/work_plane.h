@@ -17,10 +17,10 @@ struct WorkPlane {
     std::string inWords() const; // how high it is
 };
 
-// Rows `x,y,z,nx,ny,nz` in the model's axes. Points under which a floor lies (an upward surface at most half
-// a metre above its room's lowest, or of a storey over that, geometry/floors.h) with nothing between it and
-// the work plane, centred in each room's extent; a floor narrower than the grid gets its middle. Empty when
-// no floor is found.
+// Rows `x,y,z,nx,ny,nz` in the model's axes. Points under which a floor lies (geometry/floors.h, or an upward
+// surface at most half a metre above its room's lowest floor) with nothing between it and the work plane,
+// centred in each room's extent; a floor narrower than the grid gets its middle. Empty when no floor is
+// found.
 SensorTable workPlaneSensors(const geometry::PatchMesh& mesh, geometry::UpAxis up, WorkPlane plane = {});
 
 // World axes back to the model's.

@@ -14,6 +14,8 @@
 #include "engine/app/plan_chart.h"
 #include "engine/app/plan_floors.h"
 #include "engine/app/work_plane.h"
+#include "geometry/room_measures.h"
+#include "tests/geometry/box_model.h"
 #include "tests/passes/room_builder.h"
 
 namespace heliodon::test {
@@ -317,6 +319,24 @@ TEST(PlanChart, what_the_sensors_plane_cuts_is_no_floor) {
     double length = 0;
     for (const auto& [a, b] : floors[0].outline) length += glm::distance(a, b);
     EXPECT_NEAR(length, 2 * (4 + 3) + 2 * (0.5 + 1), 1e-9);
+}
+
+TEST(PlanChart, stages_are_floor_and_no_counters_that_are_lower_than_sensors_over_them) {
+    test::BoxModel model(4, {1, -1.5, 1}, {3.5, 0, 4});
+    model.add({4, 0, 0}, {6, 0.9, 5});
+    model.add({0, 0, 0}, {0.6, 1.1, 5}); // a counter
+    app::Scene scene;
+    scene.worldPerBuilding = 1;
+    scene.mesh = geometry::ownTriangles(model.building());
+    const app::SensorTable table =
+        app::workPlaneSensors(scene.mesh, geometry::UpAxis::y, {.worldPerBuilding = 1});
+    const std::vector<double> lux(table.points.size(), 100);
+    const auto floors = app::planFloors(scene, {table.points, table.normals, lux});
+    ASSERT_EQ(floors.size(), 1u);
+    for (const auto& [at, open] :
+         {std::pair(glm::dvec2(0.3, 2.1), false), std::pair(glm::dvec2(0.8, 2.1), true),
+          std::pair(glm::dvec2(2.1, 2.2), true), std::pair(glm::dvec2(5.1, 2.1), true)})
+        EXPECT_EQ(floors[0].isOpenAt(at), open) << at.x << ' ' << at.y;
 }
 
 TEST(LuxScale, holds_the_largest_of_a_few_values) {

@@ -8,6 +8,22 @@
 
 using namespace heliodon;
 
+TEST(WorkPlane, stands_over_pits_and_stages_and_what_is_round_them) {
+    test::BoxModel model(4, {1, -1.5, 1}, {3.5, 0, 4});
+    model.add({4, 0, 0}, {6, 0.9, 5});
+    model.add({0, 0, 0}, {0.6, 0.9, 5}); // a counter
+    const app::SensorTable table = app::workPlaneSensors(geometry::ownTriangles(model.building()),
+                                                         geometry::UpAxis::y, {.spacing = 0.25});
+    size_t inPit = 0;
+    for (const glm::dvec3 p : table.points) {
+        const bool isPit = p.x > 1 && p.x < 3.5 && p.z > 1 && p.z < 4;
+        EXPECT_NEAR(p.y, 0.762 + (isPit ? -1.5 : p.x > 4 ? 0.9 : 0), 1e-9) << p.x << " " << p.z;
+        inPit += isPit;
+    }
+    EXPECT_EQ(inPit, 120u);
+    EXPECT_EQ(table.points.size(), 22u * 20u); // none on the counter
+}
+
 TEST(WorkPlane, stands_over_each_storey_from_the_lowest) {
     test::BoxModel model(5);
     model.add({0, 2.5, 0}, {3, 2.8, 3});
