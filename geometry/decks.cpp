@@ -101,6 +101,29 @@ Decks::Decks(const PatchMesh& mesh, std::vector<size_t> patches, double scale)
     for (const uint32_t l : level) deck_.push_back(deckOf[joined.root(l)]);
 }
 
+// Seen from above: no line along an edge of either has one on each side and a gap between them.
+bool Decks::areNear(size_t k, size_t other) const {
+    for (const size_t one : {k, other}) {
+        const auto corner = mesh_.patch(patches_[one]);
+        for (size_t c = 0; c < corner.size(); ++c) {
+            const glm::dvec3 along =
+                mesh_.vertices[corner[(c + 1) % corner.size()]] - mesh_.vertices[corner[c]];
+            const glm::dvec3 across(-along.z, 0, along.x);
+            double low[2], high[2];
+            for (const bool second : {false, true}) {
+                low[second] = std::numeric_limits<double>::infinity(), high[second] = -low[second];
+                for (const uint32_t v : mesh_.patch(patches_[second ? other : k])) {
+                    const double at = glm::dot(across, mesh_.vertices[v]);
+                    low[second] = std::min(low[second], at), high[second] = std::max(high[second], at);
+                }
+            }
+            if (std::max(low[0] - high[1], low[1] - high[0]) > kTouch * scale_ * glm::length(across))
+                return false;
+        }
+    }
+    return true;
+}
+
 // Of a patch's plane, within its own heights.
 double Decks::heightNear(size_t k, double x, double z) const {
     const glm::dvec3 p = mesh_.vertices[mesh_.patch(patches_[k])[0]], n = patchNormal(mesh_, patches_[k]);
@@ -114,6 +137,7 @@ template<class Ask> void Decks::forNear(size_t k, double depth, const Ask& ask) 
     const Bounds& box = boxes_[k];
     tree_.anyHolding(box.high + glm::dvec3(touch, kStep * scale_, touch),
                      box.low - glm::dvec3(touch, depth, touch), [&](uint32_t other) {
+                         if (!areNear(k, other)) return false;
                          const Bounds& o = boxes_[other];
                          const glm::dvec3 at = 0.5 * (glm::max(box.low, o.low) + glm::min(box.high, o.high));
                          ask(other, heightNear(k, at.x, at.z) - heightNear(other, at.x, at.z));

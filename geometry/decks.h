@@ -64,6 +64,7 @@ public:
     Rise riseOf(const Deck& deck, const std::function<bool(const Deck&)>& counts);
 
 private:
+    bool areNear(size_t k, size_t other) const;
     double heightNear(size_t k, double x, double z) const;
     template<class Ask> void forNear(size_t k, double depth, const Ask& ask) const;
 

@@ -155,6 +155,21 @@ TEST(Floors, what_stands_in_a_pit_or_beside_it_is_none) {
     EXPECT_EQ(areas.undecided, 0u);
 }
 
+TEST(Floors, beds_beside_one_another_are_none_however_the_room_is_turned) {
+    BoxModel model;
+    for (int k = 0; k < 2; ++k) model.add({0.5 + 3 * k, 0, 0}, {2.5 + 3 * k, 0.5, 2.1});
+    PatchMesh mesh = ownTriangles(model.building());
+    for (const double turn : {0.0, 0.5, 0.8}) {
+        PatchMesh turned = mesh;
+        for (glm::dvec3& v : turned.vertices)
+            v = {v.x * std::cos(turn) - v.z * std::sin(turn), v.y,
+                 v.x * std::sin(turn) + v.z * std::cos(turn)};
+        const Areas areas = areasOf(std::move(turned));
+        EXPECT_NEAR(areas.lowest, 30 - 8.4, 1e-9) << turn;
+        EXPECT_EQ(areas.undecided, 0u) << turn;
+    }
+}
+
 TEST(Floors, gutters_and_what_is_too_low_to_stand_in_are_none) {
     EXPECT_NEAR(
         withOutline({{0, 3}, {0, 0}, {2, 0}, {2, -0.4}, {2.3, -0.4}, {2.3, 0}, {6, 0}, {6, 3}}).lowest, 28.5,
