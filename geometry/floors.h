@@ -37,16 +37,14 @@ struct Floors {
 // within a step of 0.25 m (of the building, of which one metre is `worldPerBuilding` in the mesh). So the
 // tops of tables, partitions and shelves are none, while those of stairs and low platforms are.
 // - The lowest deck of 1.5 m2, 0.6 m wide, with 2 m of air over it; the lowest of all where none is.
-// - Main floors over pits: larger than all floor below, 6 m2, 0.9 m wide, walls along 40 % of their border,
-// or
-//   at one height 1.25 times as large with walls along 52 %. Where these have less than 6 m2: undecided.
+// - Main floors over pits: larger than all floor below, 6 m2, 0.9 m wide, walls along 40 % of their border.
+//   So are all that lie at one height if they are 1.25 times as large, with walls along 52 %; where these
+//   have less than 6 m2 they are undecided.
 // - Stages less than 2 m over floor: 6 m2 and 1.8 m wide; above 0.6 m with walls along 20 %, above 1.2 m
-// along
-//   52 %. Terraces, 4 m2 and 0.75 m wide, that rise along one another, two or more, likewise.
+//   along 52 %. Two or more terraces of 4 m2, 0.75 m wide, that rise along one another, likewise.
 // - What stairs lead to, of treads that rise by 0.3 m at most (the last one 0.55), whatever they are drawn
-// as:
-//   stages of 4 m2, 1.4 m wide; and as large as 1.5 m2 and as wide as 0.6 m, with 2 m of air over it and 2 m
-//   beneath, right under its slab, in this room or another, or 2 m over the floor beside it and 0.9 m wide.
+//   as: stages of 4 m2, 1.4 m wide; and what has 1.5 m2, is 0.6 m wide, has 2 m of air over it, and 2 m
+//   beneath right under its slab, in this room or another, or is 2 m over the floor beside it and 0.9 m wide.
 //   Without stairs this is undecided, but for small stages that are as low and small as beds, or stand free
 //   and are no wider than tables.
 Floors findFloors(const PatchMesh& mesh, double worldPerBuilding = 1);
