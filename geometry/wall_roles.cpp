@@ -23,10 +23,12 @@ namespace {
 constexpr double kCopyOff = 0.2; // inches: how far a copy may reach beyond the wall that it repeats,
 constexpr double kAlike = 0.05;  // and how much thicker than that it may be
 // Inches: how far before a wall's face it is asked what is there, and again behind a filling, up to the
-// width of the corners and cracks that are filled.
-constexpr double kBefore = 0.15, kFilled = 1.5;
-constexpr double kLeast = 0.3;                  // inches: less of a side is none
-constexpr double kStep = 0.1, kMostSteps = 100; // inches between the places where it is asked
+// width of the corners and cracks that are filled. No round numbers: on a face that lies just there the
+// answer would hang on rounding.
+constexpr double kBefore = 0.15013, kFilled = 1.5;
+constexpr double kBesideMiddle = 1.3e-4; // inches: likewise, where it is asked what covers a wall's middle
+constexpr double kLeast = 0.3;           // inches: less of a side is none
+constexpr double kTie = 1e-6;            // inches: lengths that differ by less are equal but for rounding
 
 struct Box {
     glm::dvec2 low{}, high{};
@@ -129,7 +131,11 @@ private:
         return best;
     }
 
-    enum class Beyond : uint8_t { room, outside, wall };
+    enum class Beyond : uint8_t { room, outside, wall, covered };
+    struct Part {
+        Stretch on;
+        Beyond beyond;
+    };
 
     bool meets(const PlanSolid& solid, glm::dvec2 p, glm::dvec2 out) const {
         const WallPiece& wall = plan_.pieces[static_cast<size_t>(solid.piece)];
@@ -137,38 +143,122 @@ private:
         return std::abs(glm::dot(glm::normalize(along), out)) > kParallelSine;
     }
 
-    Beyond sideOf(const WallPiece& piece, size_t index, double at, bool onLeft,
-                  const std::vector<const PlanSolid*>& near) const {
-        if (std::ranges::any_of(spaces_.seen[index][onLeft],
-                                [&](const auto& seen) { return at > seen.first && at < seen.second; }))
-            return Beyond::room;
-        const double angle = piece.a0 + at / piece.radius;
-        const glm::dvec2 along = glm::normalize(piece.b - piece.a);
-        const glm::dvec2 left = piece.curved ? -glm::dvec2(std::cos(angle), std::sin(angle)) : leftOf(along);
-        const glm::dvec2 middle = piece.curved ? piece.center - piece.radius * left : piece.a + at * along;
-        const glm::dvec2 out = onLeft ? left : -left;
-        return beyond(near, middle, piece.thickness / 2, out);
+    static double lengthOf(const WallPiece& piece) {
+        return piece.curved ? piece.radius * (piece.a1 - piece.a0) : glm::length(piece.b - piece.a);
     }
 
-    // What is before a face that rooms do not see there, behind fillings and copies of the wall, off its
-    // line, that may cover it. Only walls that meet the face hide what it would look at; one that stands
-    // beside it is outside.
-    Beyond beyond(const std::vector<const PlanSolid*>& near, glm::dvec2 middle, double half,
-                  glm::dvec2 out) const {
-        for (double depth = kBefore; depth < kFilled; depth += kBefore) {
-            const glm::dvec2 p = middle + (half + depth) * out;
-            if (std::ranges::any_of(spaces_.rooms, [&](const RoomPlan& room) { return contains(room, p); }))
-                return Beyond::room;
-            bool covered = false, beside = false;
-            for (const PlanSolid* solid : near) {
-                if (!contains(solid->outline, p)) continue;
-                const bool filling = solid->piece < 0;
-                if (!filling && meets(*solid, p, out)) return Beyond::wall;
-                (filling || contains(solid->outline, middle) ? covered : beside) = true;
+    static glm::dvec2 leftAt(const WallPiece& piece, double at) {
+        if (!piece.curved) return leftOf(glm::normalize(piece.b - piece.a));
+        const double angle = piece.a0 + at / piece.radius;
+        return -glm::dvec2(std::cos(angle), std::sin(angle));
+    }
+
+    static glm::dvec2 middleAt(const WallPiece& piece, double at) {
+        return piece.curved ? piece.center - piece.radius * leftAt(piece, at)
+                            : piece.a + at * glm::normalize(piece.b - piece.a);
+    }
+
+    // Where along a piece the line so far to the left of its middle crosses the polygon's edges.
+    static void addCrossings(const WallPiece& piece, double toLeft, const std::vector<glm::dvec2>& polygon,
+                             std::vector<double>& out) {
+        for (size_t i = 0; i < polygon.size(); ++i) {
+            const glm::dvec2 p = polygon[i], q = polygon[(i + 1) % polygon.size()], d = q - p;
+            if (!piece.curved) {
+                const glm::dvec2 along = glm::normalize(piece.b - piece.a);
+                const double atP = cross(along, p - piece.a) - toLeft,
+                             atQ = cross(along, q - piece.a) - toLeft;
+                if ((atP < 0) != (atQ < 0))
+                    out.push_back(glm::dot(p + atP / (atP - atQ) * d - piece.a, along));
+                continue;
             }
-            if (beside || !covered) break;
+            const glm::dvec2 from = p - piece.center;
+            const double radius = piece.radius - toLeft, a = glm::dot(d, d), b = glm::dot(from, d),
+                         square = b * b - a * (glm::dot(from, from) - radius * radius);
+            if (a == 0 || square < 0) continue;
+            for (const double root : {-std::sqrt(square), std::sqrt(square)}) {
+                const double t = (root - b) / a;
+                if (t < 0 || t > 1) continue;
+                const glm::dvec2 at = from + t * d;
+                const double middle = (piece.a0 + piece.a1) / 2;
+                out.push_back((std::remainder(std::atan2(at.y, at.x) - middle, 2 * std::numbers::pi) +
+                               middle - piece.a0) *
+                              piece.radius);
+            }
         }
-        return Beyond::outside;
+    }
+
+    // Calls use(part) for the parts into which the places divide the stretch.
+    template<class Use> static void divide(Stretch on, std::vector<double> places, const Use& use) {
+        std::ranges::sort(places);
+        places.push_back(on.to);
+        double from = on.from;
+        for (const double place : places) {
+            const double to = std::min(place, on.to);
+            if (to - from <= kTie * kTie) continue;
+            use(Stretch{from, to});
+            from = to;
+        }
+    }
+
+    // What is before a face of the piece, by exact parts of its length.
+    std::vector<Part> sideOf(size_t index, Stretch own, bool onLeft,
+                             const std::vector<const PlanSolid*>& near) const {
+        const WallPiece& piece = plan_.pieces[index];
+        const auto& seen = spaces_.seen[index][onLeft];
+        std::vector<double> ends;
+        for (const auto& [from, to] : seen) ends.insert(ends.end(), {from, to});
+        std::vector<Part> out;
+        std::vector<Stretch> open;
+        divide(own, ends, [&](Stretch part) {
+            const double at = (part.from + part.to) / 2;
+            if (std::ranges::any_of(seen, [&](const auto& s) { return at > s.first && at < s.second; }))
+                out.push_back({part, Beyond::room});
+            else
+                open.push_back(part);
+        });
+        std::vector<double> overMiddle;
+        const double way = onLeft ? 1 : -1;
+        for (const PlanSolid* solid : near)
+            addCrossings(piece, way * kBesideMiddle, solid->outline, overMiddle);
+        for (double depth = kBefore; depth < kFilled && !open.empty(); depth += kBefore) {
+            const double toLeft = way * (piece.thickness / 2 + depth);
+            std::vector<double> places = overMiddle;
+            for (const RoomPlan& room : spaces_.rooms)
+                for (const OutlineLoop& loop : room.loops) addCrossings(piece, toLeft, loop.points, places);
+            for (const PlanSolid* solid : near) addCrossings(piece, toLeft, solid->outline, places);
+            std::vector<Stretch> behind;
+            for (const Stretch& whole : open)
+                divide(whole, places, [&](Stretch part) {
+                    const double at = (part.from + part.to) / 2;
+                    const glm::dvec2 left = way * leftAt(piece, at), middle = middleAt(piece, at);
+                    const Beyond found = beyond(near, middle + kBesideMiddle * left,
+                                                middle + (piece.thickness / 2 + depth) * left, left);
+                    if (found == Beyond::covered)
+                        behind.push_back(part);
+                    else
+                        out.push_back({part, found});
+                });
+            open = std::move(behind);
+        }
+        for (const Stretch& rest : open) out.push_back({rest, Beyond::outside});
+        return out;
+    }
+
+    // What is at a point before a face that rooms do not see there. Fillings, and copies of the wall off its
+    // line, may cover what is behind. Only walls that meet the face hide what it would look at; one that
+    // stands beside it is outside.
+    Beyond beyond(const std::vector<const PlanSolid*>& near, glm::dvec2 middle, glm::dvec2 p,
+                  glm::dvec2 out) const {
+        if (std::ranges::any_of(spaces_.rooms, [&](const RoomPlan& room) { return contains(room, p); }))
+            return Beyond::room;
+        bool covered = false, beside = false;
+        for (const PlanSolid* solid : near) {
+            if (!contains(solid->outline, p)) continue;
+            const bool filling = solid->piece < 0;
+            if (!filling && meets(*solid, p, out)) return Beyond::wall;
+            (filling || contains(solid->outline, middle) ? covered : beside) = true;
+        }
+        return beside || !covered ? Beyond::outside : Beyond::covered;
     }
 
     std::vector<const PlanSolid*> solidsNear(size_t piece) const {
@@ -187,25 +277,24 @@ private:
         double both = 0, one = 0, outside = 0;
         for (const size_t index : pieces) {
             const WallPiece& piece = plan_.pieces[index];
-            const double length =
-                piece.curved ? piece.radius * (piece.a1 - piece.a0) : glm::length(piece.b - piece.a);
+            const double length = lengthOf(piece);
             Stretch own = piece.curved ? Stretch{0, length} : stretchOf(piece, id);
             own = {std::max(own.from, 0.0), std::min(own.to, length)};
             if (own.length() <= 0) continue;
             const std::vector<const PlanSolid*> near = solidsNear(index);
-            const double count = std::clamp(std::ceil(own.length() / kStep), 1.0, kMostSteps),
-                         step = own.length() / count;
-            for (double k = 0.5; k < count; ++k) {
-                const double at = own.from + k * step;
-                const Beyond right = sideOf(piece, index, at, false, near),
-                             left = sideOf(piece, index, at, true, near);
-                if (right != Beyond::room && left != Beyond::room) continue;
-                (right == left ? both : one) += step;
-                if (right == Beyond::outside || left == Beyond::outside) outside += step;
-            }
+            const std::vector<Part> atLeft = sideOf(index, own, true, near);
+            for (const Part& right : sideOf(index, own, false, near))
+                for (const Part& left : atLeft) {
+                    const double common =
+                        std::min(right.on.to, left.on.to) - std::max(right.on.from, left.on.from);
+                    if (common <= 0 || (right.beyond != Beyond::room && left.beyond != Beyond::room))
+                        continue;
+                    (right.beyond == left.beyond ? both : one) += common;
+                    if (right.beyond == Beyond::outside || left.beyond == Beyond::outside) outside += common;
+                }
         }
-        if (2 * both + one < kLeast) return "outside_extra";
-        return both > one || (both > 0 && outside < kLeast) ? "interior" : "exterior";
+        if (2 * both + one < kLeast - kTie) return "outside_extra";
+        return both > one + kTie || (both > kTie && outside < kLeast - kTie) ? "interior" : "exterior";
     }
 
     const Sketch& sketch_;

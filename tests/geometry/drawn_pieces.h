@@ -1,6 +1,8 @@
 // Pieces of sketches that tests lay out by hand.
 #pragma once
 
+#include <cmath>
+#include <numbers>
 #include <string>
 
 #include "geometry/sketch.h"
@@ -24,6 +26,16 @@ inline geometry::WindowMarker window(const std::string& id, const std::string& o
     w.pos = pos;
     w.width = width;
     return w;
+}
+
+inline glm::dvec2 turned(glm::dvec2 p, double degrees) {
+    const double a = degrees * std::numbers::pi / 180;
+    return {std::cos(a) * p.x - std::sin(a) * p.y, std::sin(a) * p.x + std::cos(a) * p.y};
+}
+
+inline geometry::Sketch turned(geometry::Sketch s, double degrees) { // of straight walls
+    for (geometry::Wall& w : s.walls) w.a = turned(w.a, degrees), w.b = turned(w.b, degrees);
+    return s;
 }
 
 } // namespace heliodon::test

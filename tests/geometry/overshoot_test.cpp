@@ -2,7 +2,6 @@
 // and the area that they would have without, and what casts shadows does not stand out into them.
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <vector>
 
 #include <glm/geometric.hpp>
@@ -12,21 +11,12 @@
 #include "tests/geometry/drawn_pieces.h"
 
 using namespace heliodon::geometry;
+using heliodon::test::turned;
 using heliodon::test::wall;
 
 namespace {
 
 constexpr double kHalf = 0.1875; // inches of a wall's thickness
-
-glm::dvec2 turned(glm::dvec2 p, double degrees) {
-    const double a = degrees * std::numbers::pi / 180;
-    return {std::cos(a) * p.x - std::sin(a) * p.y, std::sin(a) * p.x + std::cos(a) * p.y};
-}
-
-Sketch turned(Sketch s, double degrees) {
-    for (Wall& w : s.walls) w.a = turned(w.a, degrees), w.b = turned(w.b, degrees);
-    return s;
-}
 
 // An L whose corner in the middle is a wall's end and so much more; `lean`: of the wall across, to the side.
 Sketch ell(double over, double lean = 0) {

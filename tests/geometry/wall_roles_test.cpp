@@ -1,5 +1,7 @@
-// Roles of walls whose drawn faces are covered: by the filling of a corner, or by a copy off their line.
+// Roles of walls whose drawn faces are covered, by the filling of a corner or by a copy off their line, and
+// of short ones.
 #include <algorithm>
+#include <utility>
 
 #include <gtest/gtest.h>
 
@@ -7,6 +9,7 @@
 #include "tests/geometry/drawn_pieces.h"
 
 using namespace heliodon::geometry;
+using heliodon::test::turned;
 using heliodon::test::wall;
 using heliodon::test::window;
 
@@ -42,4 +45,23 @@ TEST(WallRoles, a_doubled_stub_within_a_room_is_an_interior_wall) {
     ASSERT_EQ(report.rooms.size(), 1u);
     for (const char* id : {"a", "stub", "copy"}) EXPECT_EQ(roleOf(report, id), "interior") << id;
     for (const char* id : {"s", "e", "n", "w"}) EXPECT_EQ(roleOf(report, id), "exterior") << id;
+}
+
+// Lengths along which rooms see them are about as long as what does not count.
+TEST(WallRoles, of_short_slanted_walls_do_not_turn_with_the_sketch) {
+    for (const double slant : {15.0, 20.0, 45.0, 60.0, 80.0, 135.0})
+        for (const double length : {0.3, 0.4, 0.5, 0.6, 0.8, 1.0})
+            for (const glm::dvec2 foot : {glm::dvec2(-2, -6), glm::dvec2(3, -5.9), glm::dvec2(8, 6)}) {
+                Sketch s;
+                s.walls = {wall("s", {-8.1875, -6}, {8.1875, -6}), wall("e", {8, -6.1875}, {8, 6.1875}),
+                           wall("n", {8.1875, 6}, {-8.1875, 6}), wall("w", {-8, 6.1875}, {-8, -6.1875}),
+                           wall("stub", foot, foot + turned({length, 0}, slant))};
+                const std::string drawn = roleOf(closeSketch(s).report, "stub");
+                for (const double degrees : {17.0, 45.0, 90.0, 133.0, 211.0}) {
+                    SCOPED_TRACE(testing::Message()
+                                 << slant << ' ' << length << ' ' << foot.x << ' ' << degrees);
+                    EXPECT_EQ(roleOf(closeSketch(turned(s, degrees)).report, "stub"), drawn);
+                    for (Wall& w : s.walls) std::swap(w.a, w.b);
+                }
+            }
 }
