@@ -6,6 +6,7 @@
 #include <optional>
 #include <ranges>
 
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
 #include "geometry/perpendicular.h"
@@ -70,6 +71,7 @@ private:
     }
 
     double thickness(const WallEnd& e) const { return plan_.pieces[static_cast<size_t>(e.piece)].thickness; }
+    bool isCurved(const WallEnd& e) const { return plan_.pieces[static_cast<size_t>(e.piece)].curved; }
 
     void fillBetweenEnds(const WallEnd& e, const WallEnd& f) {
         const double apart = glm::length(f.middle - e.middle);
@@ -113,9 +115,10 @@ private:
             (endsIn(e, f) || endsIn(f, e)))
             return;
         const size_t first = plan_.solids.size();
-        addStub(e, crossing + u - v, crossing + u + v);
+        const bool curved = isCurved(e) || isCurved(f);
+        addStub(e, crossing + u - v, crossing + u + v, curved);
         addStub(f, crossing + v * std::copysign(1.0, sine) + u * std::copysign(1.0, sine),
-                crossing + v * std::copysign(1.0, sine) - u * std::copysign(1.0, sine));
+                crossing + v * std::copysign(1.0, sine) - u * std::copysign(1.0, sine), curved);
         if (clearance(e, f) <= kDoor * width_) return;
         const glm::dvec2 middle = 0.5 * (e.middle + f.middle), beyond = glm::normalize(crossing - middle);
         const double apex = std::min(glm::length(u - v), glm::length(u + v)),
@@ -138,13 +141,17 @@ private:
                          glm::length(e.left - f.right), glm::length(e.left - f.left)});
     }
 
-    // Lets the wall run on from its end face to `right` and `left`, where these lie ahead of it.
-    void addStub(const WallEnd& e, glm::dvec2 right, glm::dvec2 left) {
+    // Lets the wall run on from its end face to the line from `right` to `left`, where that lies ahead of it.
+    // A curved wall has its facets beside that line, and goes on over all of its end.
+    void addStub(const WallEnd& e, glm::dvec2 right, glm::dvec2 left, bool curved) {
         constexpr double kWorthFilling = 1e-3;
         const double aheadRight = glm::dot(right - e.right, e.out),
                      aheadLeft = glm::dot(left - e.left, e.out);
         if (std::max(aheadRight, aheadLeft) < kWorthFilling) return;
-        add({e.right, aheadRight > 0 ? right : e.right, aheadLeft > 0 ? left : e.left, e.left});
+        if (curved || std::min(aheadRight, aheadLeft) >= 0)
+            return add({e.right, aheadRight > 0 ? right : e.right, aheadLeft > 0 ? left : e.left, e.left});
+        const glm::dvec2 at = glm::mix(right, left, aheadRight / (aheadRight - aheadLeft)); // the end face
+        aheadRight > 0 ? add({e.right, right, at}) : add({at, left, e.left});
     }
 
     // An end that stops short of another wall's face.

@@ -22,6 +22,7 @@ constexpr double kShortEdge = 0.12;  // inches: shorter steps are noise
 constexpr double kOvershoot = 0.4;   // inches: a wall that runs on past another one by less was to end there,
 constexpr double kThrough = 1.5;     // where this much of it is drawn, or in a corner twice what stands out
 constexpr double kCorner = 0.6;      // inches from a corner: what the ends of the walls that meet there leave
+constexpr double kSharp = 2;         // times the thickness of walls: how long tips of corners may be
 constexpr double kSlant = 0.1;       // the sine of the angle between walls that are one side, or that meet
 constexpr double kSquare = 0.2;      // the cosine of the angle between a wall and its end
 constexpr double kNarrowCrack = 0.5; // inches
@@ -165,6 +166,14 @@ private:
         return std::abs(glm::dot(wall, edge(i))) < kSquare * glm::length(wall) * glm::length(edge(i));
     }
 
+    bool ofOneSide(int piece, int other) const { // straight ones
+        const auto &wall = plan_.pieces[static_cast<size_t>(piece)],
+                   &beside = plan_.pieces[static_cast<size_t>(other)];
+        return piece == other || (!wall.curved && wall.line == beside.line);
+    }
+
+    double thicknessOf(int piece) const { return plan_.pieces[static_cast<size_t>(piece)].thickness; }
+
     double lengthOf(int piece) const { // of a straight one
         const WallPiece& wall = plan_.pieces[static_cast<size_t>(piece)];
         return glm::length(wall.b - wall.a);
@@ -180,22 +189,38 @@ private:
         return false;
     }
 
-    // Edge i stands before a face that runs on behind it.
+    // Edge i stands before a face that runs on behind it, or a part of it at a slant.
     bool endAtFace(size_t i) {
-        const size_t first = i + size() - 1, last = i + 2;
-        if (size() < 6 || cross(edge(first), edge(i)) >= 0 || cross(edge(i), edge(i + 1)) >= 0) return false;
-        if (lengthOf(info(i).piece) < kThrough) return false;
+        const size_t n = size();
+        return standsOut(i, i + n - 1, i + 2) || standsOut(i, i, i + 2) || standsOut(i, i + n - 1, i + 1);
+    }
+
+    // Edge i, with one or both sides of its wall, between two corners on that face.
+    bool standsOut(size_t i, size_t first, size_t last) {
+        const size_t count = (last + size() - first) % size();
+        if (size() < count + 3 || lengthOf(info(i).piece) < kThrough + kTouches) return false;
         const glm::dvec2 face = point(last) - point(first);
-        for (const size_t k : {first, i + 1})
-            if (info(k).piece != info(i).piece || glm::length(edge(k)) > kOvershoot) return false;
+        double sides = 0; // of the wall
+        for (size_t k = first; k < first + count; ++k) {
+            if (info(k).piece != info(i).piece || (k > first && cross(edge(k + size() - 1), edge(k)) >= 0))
+                return false;
+            if (k % size() != i % size()) sides += glm::length(edge(k));
+        }
         for (const size_t k : {first + size() - 1, last})
             if (glm::dot(edge(k), face) <= 0 ||
                 std::abs(cross(edge(k), face)) > kSlant * glm::length(edge(k)) * glm::length(face))
                 return false;
-        if (!fits(first, last)) return false;
+        if (beyondFace(i, sides, count) > kOvershoot || !fits(first, last)) return false;
         info(first) = info(first + size() - 1);
-        erase(i, 2);
+        erase(first + 1, count - 1);
         return true;
+    }
+
+    // How far the middle of the wall stands out; of a corner of it (two edges) that stands out at a slant.
+    double beyondFace(size_t end, double sides, size_t count) {
+        if (count == 3) return sides / 2;
+        if (sides > kSharp * thicknessOf(info(end).piece)) return sides;
+        return sides * (1 - thicknessOf(info(end).piece) / (2 * glm::length(edge(end))));
     }
 
     // Edge i lies among short ones between the faces of two walls: these go on to where they meet.
@@ -217,12 +242,21 @@ private:
         const double sine = cross(in, out);
         if (sine > -kSlant * glm::length(in) * glm::length(out)) return false;
         const glm::dvec2 corner = point(first) + in * (cross(point(last) - point(first), out) / sine);
+        // In a sharp corner a square end looks out of the other wall's face far behind the corner.
+        const double thickness = std::max(thicknessOf(a), thicknessOf(b)),
+                     behind = thickness * std::min(kSharp, -glm::length(in) * glm::length(out) / sine);
+        const double near =
+            std::max({kCorner, std::hypot(kOvershoot, thickness), glm::dot(in, out) < 0 ? behind : 0});
         for (size_t k = first; k <= last; ++k) {
             const int own = info(k).piece;
-            if (glm::length(point(k) - corner) > kCorner ||
-                (k < last && own >= 0 &&
-                 ((own != a && own != b) || glm::length(edge(k)) > std::min(kOvershoot, lengthOf(own) / 2))))
+            if (glm::length(point(k) - corner) > near + kTouches) return false;
+            if (k == last || own < 0) continue;
+            if (!(ofOneSide(own, a) || ofOneSide(own, b)) || glm::length(edge(k)) > lengthOf(own) / 2)
                 return false;
+            if (glm::length(edge(k)) <= kOvershoot) continue;
+            const glm::dvec2 on = ofOneSide(own, a) ? in : -out;
+            for (const glm::dvec2 p : {point(k), point(k + 1)})
+                if (glm::dot(p - corner, on) > kOvershoot * glm::length(on)) return false;
         }
         // Both keep some of their length: a nib's own foot is no such corner.
         if (glm::dot(corner - point(before), in) <= kTouches * glm::length(in) ||
@@ -416,13 +450,13 @@ void straighten(OutlineLoop& loop) {
 
 // Sharp corners end where they are a hair wide, those of walls as those of rooms.
 void bluntTips(OutlineLoop& loop) {
-    constexpr double kSharp = 0.06; // radians
+    constexpr double kSharpTip = 0.06; // radians
     OutlineLoop out;
     for (size_t i = 0, n = loop.points.size(); i < n; ++i) {
         const glm::dvec2 p = loop.points[i], back = loop.points[(i + n - 1) % n] - p,
                          on = loop.points[(i + 1) % n] - p;
         const double sine = std::abs(cross(glm::normalize(back), glm::normalize(on))), cut = kPinchGap / sine;
-        const bool sharp = sine < kSharp && glm::dot(back, on) > 0 &&
+        const bool sharp = sine < kSharpTip && glm::dot(back, on) > 0 &&
                            cut < kMostCut * std::min(glm::length(back), glm::length(on));
         if (sharp) {
             out.points.push_back(p + cut * glm::normalize(back));

@@ -40,6 +40,35 @@ Sketch tee(double over) {
     return s;
 }
 
+Sketch thick(Sketch s, double thickness) {
+    for (Wall& w : s.walls) w.thickness = thickness;
+    return s;
+}
+
+// A box into which its south side juts as a corner of so many degrees; walls run on past their crossing by
+// half their thickness and so much more.
+Sketch wedge(double degrees, double thickness, double over) {
+    const double half = degrees / 2 * std::numbers::pi / 180, high = std::min(5.0, 6 / std::tan(half)),
+                 x = high * std::tan(half);
+    const glm::dvec2 tip(0, high - 7), up(std::sin(half), std::cos(half)), down(up.x, -up.y);
+    const double on = thickness / 2 + over;
+    Sketch s;
+    s.walls = {wall("w", {-9, 7.3}, {-9, -7.3}),    wall("n", {-9.3, 7}, {9.3, 7}),
+               wall("e", {9, 7.3}, {9, -7.3}),      wall("s1", {-9.3, -7}, {-x + 0.2, -7}),
+               wall("a", {-x, -7}, tip + on * up),  wall("b", tip - on * down, {x, -7}),
+               wall("s2", {x - 0.2, -7}, {9.3, -7})};
+    return thick(s, thickness);
+}
+
+// Two rooms and a wall at a slant whose middle runs on past the far face of the wall between them.
+Sketch slantedTee(double degrees, double thickness, double over) {
+    const double a = degrees * std::numbers::pi / 180;
+    const glm::dvec2 up(std::cos(a), std::sin(a)), foot = glm::dvec2(2, 0) - 6 / up.y * up;
+    Sketch s = tee(0);
+    s.walls.back() = wall("up", foot, glm::dvec2(2, 0) + (thickness / 2 / up.y + over) * up);
+    return thick(s, thickness);
+}
+
 struct Measured {
     double area = 0; // square feet, all rooms
     size_t faces = 0;
@@ -110,6 +139,45 @@ TEST(Overshoot, ends_at_walls_that_lean) {
     }
 }
 
+TEST(Overshoot, of_thick_walls_is_no_part_of_sharp_corners) {
+    for (const double thickness : {0.25, 0.375, 0.5, 0.6})
+        for (const double degrees : {30.0, 40.0, 60.0, 75.0, 90.0, 110.0, 135.0, 150.0}) {
+            const Measured exact = measured(wedge(degrees, thickness, 0));
+            EXPECT_EQ(exact.faces, 9u) << thickness << ' ' << degrees;
+            for (const double over : {0.05, 0.1, 0.2}) {
+                SCOPED_TRACE(testing::Message() << thickness << ' ' << degrees << ' ' << over);
+                const Measured drawn = measured(turned(wedge(degrees, thickness, over), 17));
+                EXPECT_EQ(drawn.faces, exact.faces);
+                EXPECT_NEAR(drawn.area, exact.area, 1e-6);
+            }
+        }
+}
+
+TEST(Overshoot, of_slanted_walls_is_no_part_of_the_room_behind) {
+    for (const double thickness : {0.375, 0.5, 0.6})
+        for (const double degrees : {30.0, 45.0, 60.0, 75.0, 120.0}) {
+            const Measured exact = measured(slantedTee(degrees, thickness, -0.3));
+            for (const double over : {0.0, 0.03, 0.1, 0.2, 0.3, 0.39}) {
+                SCOPED_TRACE(testing::Message() << thickness << ' ' << degrees << ' ' << over);
+                const Measured drawn = measured(turned(slantedTee(degrees, thickness, over), 133));
+                EXPECT_EQ(drawn.faces, exact.faces);
+                EXPECT_NEAR(drawn.area, exact.area, 1e-6);
+            }
+            EXPECT_GT(measured(slantedTee(degrees, thickness, 0.45)).faces, exact.faces);
+        }
+}
+
+// The two pieces are one side of the room.
+TEST(Overshoot, of_walls_in_pieces_is_no_part_of_a_room) {
+    Sketch s = ell(0.2);
+    s.walls[3].b = {2, 0};
+    s.walls.push_back(wall("a2", {1.9, 0}, {-kHalf - 0.2, 0}));
+    s.walls[4].b = {0, -3};
+    s.walls.push_back(wall("b2", {0, -2.9}, {0, -6}));
+    EXPECT_EQ(measured(s).faces, measured(ell(0)).faces);
+    EXPECT_NEAR(measured(s).area, measured(ell(0)).area, 1e-6);
+}
+
 TEST(Overshoot, is_a_wall_where_it_is_long) {
     EXPECT_EQ(measured(ell(0.45)).faces, measured(ell(0)).faces + 2);
     EXPECT_EQ(measured(tee(0.45)).faces, measured(tee(0)).faces + 4);
@@ -132,6 +200,12 @@ TEST(Overshoot, of_a_short_wall_is_what_it_is_drawn_for) {
                 EXPECT_NEAR(other.area, drawn.area, 1e-6);
             }
         }
+    for (const double length : {0.45, 0.6, 0.8}) { // a stub as thick as it is long
+        Sketch room = thick(box, 0.6);
+        room.walls.push_back(wall("nib", {2, -6}, {2, -6 + 0.3 + length}));
+        room.walls.back().thickness = 0.6;
+        EXPECT_EQ(measured(room).faces, measured(thick(box, 0.6)).faces + 4) << length;
+    }
     Sketch corner = ell(0);
     corner.walls.push_back(wall("return", {-0.3, 0}, {-0.3 - 0.3, 0})); // out of the corner in the middle
     EXPECT_EQ(measured(corner).faces, measured(ell(0)).faces + 2);
