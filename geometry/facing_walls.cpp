@@ -15,6 +15,8 @@ namespace {
 
 constexpr double kTouching = 1e-6; // inches: nothing stands in a narrower gap
 constexpr double kSameWall = 0.1;  // inches: what is nearer to a wall's middle does not stand before it
+constexpr double kLeaning = 0.07;  // the sine of 4 degrees: walls at more stand side by side along some of
+                                   // their length, and are no layers of one wall
 
 // Those that are no farther apart than `gap` as one.
 std::vector<Stretch> merged(std::vector<Stretch> all, double gap) {
@@ -54,6 +56,18 @@ double thicknessAlong(const PlanWalls& plan, int id, Stretch on) {
     return most;
 }
 
+bool leans(const WallLine& line, const WallLine& other) {
+    return std::abs(cross(line.direction, other.direction)) > kLeaning;
+}
+
+// Where on the stretch the offset, which rises or falls evenly along it, lies between the two.
+template<class Offset> Stretch within(Stretch on, const Offset& offset, double least, double most) {
+    const double first = offset(on.from), last = offset(on.to), slope = (last - first) / on.length();
+    const auto [low, high] =
+        std::minmax({on.from + (least - first) / slope, on.from + (most - first) / slope});
+    return {std::max(on.from, low), std::min(on.to, high)};
+}
+
 } // namespace
 
 std::vector<Stretch> coveredStretches(const PlanWalls& plan, int id) {
@@ -75,25 +89,44 @@ std::vector<FacingWall> wallsBefore(const PlanWalls& plan, const std::vector<Wal
         if (id == run.line || std::abs(cross(line.direction, other.direction)) > kParallelSine) continue;
         const double start = line.along(other.origin), cosine = glm::dot(line.direction, other.direction);
         std::vector<Stretch> wall = coveredStretches(plan, id);
+        bool partsRooms = false;
         for (const WallRun& beyond : runs)
             if (beyond.line == id && glm::dot(leftOf(beyond.to - beyond.from), out) > 0) {
                 const auto [low, high] = std::minmax({other.along(beyond.from), other.along(beyond.to)});
                 wall.push_back({low - kIntoCorner, high + kIntoCorner});
+                partsRooms = true;
             }
         for (const Stretch& theirs : merged(std::move(wall), 0)) {
             const auto [low, high] = std::minmax({start + cosine * theirs.from, start + cosine * theirs.to});
-            const Stretch both{std::max(on.from, low), std::min(on.to, high)};
+            Stretch both{std::max(on.from, low), std::min(on.to, high)};
             if (both.length() <= 0) continue;
+            const auto offsetAt = [&](double s) {
+                return glm::dot(other.at((s - start) / cosine) - line.origin, out);
+            };
+            const auto thicknessAt = [&](Stretch s) {
+                const double t = ((s.from + s.to) / 2 - start) / cosine, half = s.length() / 2;
+                return thicknessAlong(plan, id, {t - half, t + half});
+            };
+            const auto standsBetween = [&](Stretch s, bool filling) { // by solids of this kind
+                const double middle = (s.from + s.to) / 2, gap = offsetAt(middle) - face - thicknessAt(s) / 2;
+                const glm::dvec2 before = line.at(middle) + (face + gap / 2) * out;
+                return gap > kTouching && std::ranges::any_of(plan.solids, [&](const PlanSolid& solid) {
+                           return (solid.piece < 0) == filling && contains(solid.outline, before);
+                       });
+            };
+            const double most =
+                face + thicknessAt(both) / 2 + (standsBetween(both, true) ? kNarrowSlot : kNarrowestNiche);
+            // One that leans against this wall, or crosses it, stands before it from there on. Of those that
+            // hardly turn, a copy may cross it; one with a room behind it is none.
+            const auto [inner, outer] = std::minmax({offsetAt(low), offsetAt(high)});
+            const bool slanted =
+                outer > kSameWall && (leans(line, other) || (partsRooms && inner < -kSameWall));
+            const double least = slanted ? 0 : kSameWall;
+            if (slanted) both = within(both, offsetAt, least, most);
             const double middle = (both.from + both.to) / 2, t = (middle - start) / cosine,
                          half = both.length() / 2;
-            const double offset = glm::dot(other.at(t) - line.origin, out);
-            const double gap = offset - face - thicknessAlong(plan, id, {t - half, t + half}) / 2;
-            const glm::dvec2 before = line.at(middle) + (face + gap / 2) * out;
-            bool filled = false, another = false; // what stands between the two
-            for (const PlanSolid& solid : plan.solids)
-                if (gap > kTouching && contains(solid.outline, before))
-                    (solid.piece < 0 ? filled : another) = true;
-            if (offset < kSameWall || another || gap > kNarrowSlot || (gap > kNarrowestNiche && !filled))
+            if (half <= 0 || offsetAt(middle) < least || offsetAt(middle) > most ||
+                standsBetween(both, false))
                 continue;
             FacingWall found = pieceAlong(plan, id, {t - half, t + half});
             found.on = both;
@@ -108,7 +141,7 @@ bool isOuterLayer(const PlanWalls& plan, const std::vector<WallRun>& runs, const
     const WallLine &line = plan.lines[static_cast<size_t>(run.line)],
                    &layer = plan.lines[static_cast<size_t>(wall.line)];
     const Stretch on = alongOther(line, wall.on, layer);
-    if (isSeen(plan, runs, wall.line, on)) return false;
+    if (leans(line, layer) || isSeen(plan, runs, wall.line, on)) return false;
     WallRun outside;
     outside.line = wall.line;
     outside.leftFace = run.leftFace == (glm::dot(line.direction, layer.direction) > 0);

@@ -209,8 +209,9 @@ private:
         if (s1 - s0 < 0.5) return std::nullopt;
         const auto onP = [&](double s) { return p.a + s * d; };
         const auto onQ = [&](double s) { return qa + (s - q0) / (q1 - q0) * (qb - qa); };
-        const double gap0 = std::abs(cross(d, onQ(s0) - onP(s0))),
-                     gap1 = std::abs(cross(d, onQ(s1) - onP(s1))), solid = (p.thickness + q.thickness) / 2;
+        const double to0 = cross(d, onQ(s0) - onP(s0)), to1 = cross(d, onQ(s1) - onP(s1));
+        if ((to0 < 0) != (to1 < 0)) return std::nullopt; // they cross
+        const double gap0 = std::abs(to0), gap1 = std::abs(to1), solid = (p.thickness + q.thickness) / 2;
         return Slot{
             {onP(s0), onP(s1), onQ(s1), onQ(s0)}, std::min(gap0, gap1) - solid, std::max(gap0, gap1) - solid};
     }

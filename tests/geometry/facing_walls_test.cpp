@@ -205,3 +205,69 @@ TEST(DoubledWall, what_is_no_layer_is_told) {
     slab.windows = {window("n1", "w9", 6.2, 3)};
     expectLeftGlass(slab, "WINDOW_OUTSIDE", 0, 0);
 }
+
+namespace {
+
+// A house of 18 by 12 in and a wall at so many degrees to its south wall, from so far within the house to so
+// far outside.
+Sketch leaningWall(double degrees, double within, double outside) {
+    const double a = degrees * std::numbers::pi / 180;
+    const glm::dvec2 foot(0, -6), d(std::cos(a), -std::sin(a));
+    Sketch s;
+    s.walls = {wall("s", {-9, -6}, {9, -6}), wall("e", {9, -6}, {9, 6}), wall("n", {9, 6}, {-9, 6}),
+               wall("w", {-9, 6}, {-9, -6}), wall("g", foot - within * d, foot + outside * d)};
+    return s;
+}
+
+} // namespace
+
+// What of the window lies behind the wall, and no more than 0.45 in from it, has no light.
+TEST(FacingWalls, a_window_is_walled_up_as_far_as_a_slanted_wall_stands_before_it) {
+    for (const double within : {0.0, 4.0})
+        for (const double degrees : {5.0, 8.0, 10.0}) {
+            SCOPED_TRACE(testing::Message() << within << ' ' << degrees);
+            Sketch s = leaningWall(degrees, within, 7);
+            s.windows = {window("q", "s", 13, 7)}; // from 0.5 in beyond the foot
+            const double slope = std::tan(degrees * std::numbers::pi / 180),
+                         dark = std::min(7.0, (0.45 + 0.375) / slope); // from the foot
+            const Closure closure = closeSketch(s);
+            EXPECT_EQ(closure.report.code, "WINDOW_BEFORE_WALL") << closure.report.message;
+            EXPECT_NEAR(glassOf(closure).outside, 4 * (7.5 - dark), 0.3);
+            s.windows = {window("q", "g", within + 4, 2)}; // outside
+            EXPECT_EQ(closeSketch(s).report.code, "WINDOW_OUTSIDE");
+        }
+}
+
+// Two walls part two rooms and cross: where they do, and beside that, they are one wall.
+TEST(FacingWalls, a_window_in_one_of_two_walls_that_cross_does_not_open_into_the_other) {
+    for (const double degrees : {2.0, 3.0, 5.0, 8.0, 10.0})
+        for (const double pos : {7.5, 9.0, 10.5}) {
+            SCOPED_TRACE(testing::Message() << degrees << ' ' << pos);
+            const double up = 9 * std::tan(degrees * std::numbers::pi / 180);
+            Sketch s = leaningWall(90, 0, 0.01);
+            s.walls.pop_back();
+            s.walls.push_back(wall("a", {-9, 0}, {9, 0}));
+            s.walls.push_back(wall("b", {-9, up}, {9, -up}));
+            s.windows = {window("q", "a", pos, 2.5)};
+            EXPECT_EQ(closeSketch(s).report.code, "WINDOW_BEFORE_WALL");
+            expectGlass(s, 0, {0, 0});
+        }
+}
+
+TEST(FacingWalls, walls_that_go_on_at_a_small_angle_leave_windows_at_their_corner_whole) {
+    for (const int sides : {24, 36, 40, 60}) {
+        Sketch s;
+        const auto corner = [&](int k) {
+            const double a = 2 * std::numbers::pi * k / sides;
+            return 18.0 * glm::dvec2(std::cos(a), std::sin(a));
+        };
+        for (int k = 0; k < sides; ++k) {
+            s.walls.push_back(wall("w" + std::to_string(k), corner(k), corner(k + 1)));
+            const double length = glm::length(corner(1) - corner(0));
+            s.windows.push_back(window("n" + std::to_string(k), s.walls.back().id, length / 2, length));
+        }
+        const ClosureReport report = closeSketch(s).report;
+        EXPECT_EQ(report.code, "OK") << report.message;
+        EXPECT_EQ(report.windowCount, sides);
+    }
+}
