@@ -19,6 +19,7 @@
 #include "geometry/plan_materials.h"
 #include "geometry/plan_rooms.h"
 #include "geometry/plan_windows.h"
+#include "geometry/refusal_words.h"
 #include "geometry/room_faces.h"
 #include "geometry/twin_faces.h"
 #include "geometry/wall_roles.h"
@@ -197,7 +198,7 @@ private:
         if (openDoorsInCorners(plan_, spaces_.rooms)) spaces_ = findRooms(plan_);
         cleanOutlines(plan_, spaces_);
         if (!spaces_.rooms.empty()) return true;
-        refuse("NOT_ENCLOSED", "the walls enclose no space: " + joined(idsOf(plan_.pieces)));
+        refuse("NOT_ENCLOSED", whyNotEnclosed(plan_, spaces_));
         return false;
     }
 
@@ -374,7 +375,7 @@ private:
         const auto& [faces, building] = made;
         const std::vector<ShellProof> proofs = proveShells(building);
         const std::vector<double> columns = columnVolumes(building, ceilings);
-        bool good = glassesCorrespond(made);
+        std::vector<RoomPlan> doubtful;
         for (size_t r = 0; r < proofs.size(); ++r) {
             RoomReport room;
             room.floorAreaFt2 = faces.floorArea[r];
@@ -389,12 +390,12 @@ private:
             // As planned, but for the welding; as built, but for rounding.
             const bool volumeFits = std::abs(room.volumeFt3 - expected) <= 1e-6 * expected &&
                                     std::abs(proofs[r].volume - columns[r]) <= 1e-9 * columns[r];
-            good = good && room.closed && !room.selfIntersecting && volumeFits &&
-                   proofs[r].leastArea >= kLeastTriangle;
+            if (!(room.closed && !room.selfIntersecting && volumeFits &&
+                  proofs[r].leastArea >= kLeastTriangle))
+                doubtful.push_back(spaces_.rooms[r]);
         }
-        if (!good)
-            refuse("NOT_PROVEN",
-                   "the walls leave no room that could be proven closed: " + joined(idsOf(plan_.pieces)));
+        const bool paired = glassesCorrespond(made), good = paired && doubtful.empty();
+        if (!good) refuse("NOT_PROVEN", whyNotProven(plan_, paired ? doubtful : spaces_.rooms));
         return good;
     }
 
@@ -412,26 +413,10 @@ private:
                         width += glm::length(loop.points[(end + 1) % n] - loop.points[end % n]);
                     if (width < kDoor || width > kWideOpening) continue;
                     sentences.insert(fmt::format("an opening {:.1f} ft wide beside {} was closed", width,
-                                                 joined(wallsBeside(loop, first, end))));
+                                                 joined(wallsBeside(plan_, loop, first, end))));
                 }
             }
         return {sentences.begin(), sentences.end()};
-    }
-
-    // The walls nearest to what lies between the two edges of the outline.
-    std::vector<std::string> wallsBeside(const OutlineLoop& loop, size_t first, size_t end) const {
-        const size_t n = loop.edges.size();
-        std::set<std::string> ids;
-        const auto add = [&](size_t i, size_t step) {
-            for (size_t k = 0; k < n; ++k, i += step)
-                if (const int piece = loop.edges[i % n].piece; piece >= 0) {
-                    ids.insert(std::ranges::min(plan_.pieces[static_cast<size_t>(piece)].ids));
-                    return;
-                }
-        };
-        add(first + n - 1, n - 1);
-        add(end, 1);
-        return {ids.begin(), ids.end()};
     }
 
     void conclude() {

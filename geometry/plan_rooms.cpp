@@ -26,6 +26,7 @@
 #include "geometry/plan_arrangement.h"
 #include "geometry/plan_lines.h"
 #include "geometry/plan_regions.h"
+#include "geometry/plan_rings.h"
 #include "geometry/plan_snapping.h"
 #include "geometry/used_stretches.h"
 
@@ -50,12 +51,8 @@ constexpr std::array kPrices{0.02, 0.04, 0.07, 0.1, 0.15, 0.2, 0.3, 0.4, 0.5, 0.
 // Rings of walls of their own that leave more open: three gaps and more, none wider than the walls beside it.
 constexpr std::array kRingPrices{1.0, 1.2, 1.4, 1.6};
 constexpr double kMostOpenRing = 0.6;
-constexpr size_t kFewestGaps = 3;
-constexpr double kStraight = 0.1;     // the sine of the angle between parts of a straight gap
 constexpr double kTie = 1e-6;         // inches and prices: nearer ones are the same but for rounding
 constexpr double kSamePoint = 1e-9;   // inches: what is nearer coincides but for rounding
-constexpr double kSpeck = 1e-3;       // inches: edges that only rounding has made
-constexpr double kJog = 0.5;          // inches: how far walls of one side may miss one another
 constexpr double kCapacityUnit = 1e6; // of a length of 1 in: exact integer flow
 constexpr int64_t kForever = int64_t{1} << 50;
 
@@ -89,6 +86,8 @@ public:
         ringsOnly_ = true;
         for (const double price : kRingPrices)
             if (unusedWalls() >= kFewestGaps) selectAll(price);
+        ringsOnly_ = false;
+        accept(sealed());
         return trace();
     }
 
@@ -283,6 +282,20 @@ private:
         return accept(proposed);
     }
 
+    // What is inside, and spaces without any opening of which nothing is, as most of their walls lie ahead of
+    // others.
+    std::vector<bool> sealed() const {
+        std::vector<bool> air(map_.cellCount);
+        for (uint32_t c = 0; c < map_.cellCount; ++c) air[c] = !solid_[c];
+        const std::vector<uint32_t> root = components(air);
+        std::set<uint32_t> known{root[0]};
+        for (uint32_t c = 0; c < map_.cellCount; ++c)
+            if (inside_[c]) known.insert(root[c]);
+        for (uint32_t c = 0; c < map_.cellCount; ++c)
+            air[c] = inside_[c] || (air[c] && !known.contains(root[c]));
+        return air;
+    }
+
     struct Space {
         double area = 0, perimeter = 0, gap = 0;
         std::map<int, double> walls;      // piece: length that the space sees of it
@@ -321,54 +334,14 @@ private:
             const auto piece = static_cast<size_t>(wall.first);
             return unused(piece) > 0.5 * lengthOf(plan_.pieces[piece]);
         });
-        return space.isNew && ownWalls && space.gap <= kMostOpenRing * space.perimeter && isRing(root, id);
+        return space.isNew && ownWalls && space.gap <= kMostOpenRing * space.perimeter &&
+               isRing(map_, solid_, traceRegions(map_, labelsOf(root, id)).front().loops.front());
     }
 
-    struct Run {
-        bool gap = false;
-        glm::dvec2 from{}, to{};
-        double length = 0;
-        bool reflex = false; // a corner of it points into the space
-    };
-
-    // Gaps and walls by turns along the outline of a space.
-    std::vector<Run> runs(const std::vector<uint32_t>& root, uint32_t id) const {
+    std::vector<int> labelsOf(const std::vector<uint32_t>& root, uint32_t id) const {
         std::vector<int> labels(map_.cellCount);
         for (uint32_t c = 0; c < map_.cellCount; ++c) labels[c] = root[c] == id ? 0 : -1;
-        const std::vector<PlanRegion> regions = traceRegions(map_, labels);
-        std::vector<Run> out;
-        glm::dvec2 direction{};
-        for (const uint32_t h : regions.front().loops.front()) {
-            if (edgeLength(h) < kSpeck) continue;
-            const bool gap = !solid_[map_.cell[h ^ 1u]], starts = out.empty() || out.back().gap != gap;
-            const glm::dvec2 from = map_.points[map_.source(h)], to = map_.points[map_.target[h]];
-            if (starts) out.push_back({gap, from});
-            out.back().to = to;
-            out.back().length += edgeLength(h);
-            if (edgeLength(h) < kJog) continue; // it may point anywhere
-            const glm::dvec2 next = glm::normalize(to - from);
-            out.back().reflex |= !starts && cross(direction, next) < -kStraight;
-            direction = next;
-        }
-        if (out.size() > 1 && out.front().gap == out.back().gap) {
-            out.front().from = out.back().from;
-            out.front().length += out.back().length;
-            out.front().reflex |= out.back().reflex;
-            out.pop_back();
-        }
-        return out;
-    }
-
-    bool isRing(const std::vector<uint32_t>& root, uint32_t id) const {
-        const std::vector<Run> outline = runs(root, id);
-        const size_t n = outline.size();
-        for (size_t i = 0; i < n; ++i)
-            if (outline[i].gap &&
-                (outline[i].reflex ||
-                 glm::length(outline[i].to - outline[i].from) >
-                     std::min(outline[(i + 1) % n].length, outline[(i + n - 1) % n].length) + kJog))
-                return false;
-        return n >= 2 * kFewestGaps;
+        return labels;
     }
 
     bool accept(const std::vector<bool>& proposed) {
@@ -395,7 +368,13 @@ private:
             if (!space.grows) continue;
             const bool thin = 2 * space.area < kThinRoom * space.perimeter || space.area < kLeastRoom;
             allThick = allThick && !thin;
-            if (!thin && (tooFewWalls(space) || !isEnclosed(space, root, id))) continue;
+            const bool enclosed = thin || (!tooFewWalls(space) && isEnclosed(space, root, id));
+            if ((thin || !enclosed) && space.area > nearestArea_ + kTie) {
+                nearest_ = labelsOf(root, id);
+                nearestArea_ = space.area;
+                nearestIsNarrow_ = thin;
+            }
+            if (!enclosed) continue;
             for (uint32_t c = 0; c < map_.cellCount; ++c)
                 if (proposed[c] && root[c] == id) (thin ? forbidden_ : inside_)[c] = !thin || !inside_[c];
         }
@@ -412,11 +391,10 @@ private:
         PlanRooms out;
         std::vector<int> labels(map_.cellCount);
         for (uint32_t c = 0; c < map_.cellCount; ++c) labels[c] = inside_[c] ? 0 : -1;
-        for (const PlanRegion& region : traceRegions(map_, labels)) {
-            RoomPlan room;
-            for (const auto& loop : region.loops) room.loops.push_back(traceLoop(loop, room));
-            out.rooms.push_back(std::move(room));
-        }
+        for (const PlanRegion& region : traceRegions(map_, labels)) out.rooms.push_back(roomOf(region));
+        out.nearestIsNarrow = nearestIsNarrow_;
+        if (out.rooms.empty() && !nearest_.empty())
+            out.nearest = roomOf(traceRegions(map_, nearest_).front());
         std::ranges::sort(out.rooms, {}, [](const RoomPlan& room) {
             std::pair lowest(room.loops[0].points[0].x, room.loops[0].points[0].y);
             for (const glm::dvec2 p : room.loops[0].points) lowest = std::min(lowest, std::pair(p.x, p.y));
@@ -424,6 +402,12 @@ private:
         });
         measureSides(out);
         return out;
+    }
+
+    RoomPlan roomOf(const PlanRegion& region) const {
+        RoomPlan room;
+        for (const auto& loop : region.loops) room.loops.push_back(traceLoop(loop, room));
+        return room;
     }
 
     OutlineLoop traceLoop(const std::vector<uint32_t>& halves, RoomPlan& room) const {
@@ -468,6 +452,9 @@ private:
     PlanArrangement map_;
     std::vector<double> area_, perimeter_;
     std::vector<bool> solid_, inside_, forbidden_;
+    std::vector<int> nearest_; // labels of the cells of what comes nearest to a room, should there be none
+    double nearestArea_ = 0;
+    bool nearestIsNarrow_ = false;
     std::vector<WallFace> faces_;
     MinCut graph_;
     bool ringsOnly_ = false;

@@ -37,6 +37,9 @@ struct PlanRooms {
     // Per piece, for its right and its left face: stretches of its centre line, in inches from its end a,
     // along which a room's air is there.
     std::vector<std::array<std::vector<std::pair<double, double>>, 2>> seen;
+    // Without rooms: the largest space that was none, as it is too open or too narrow; may be empty.
+    RoomPlan nearest;
+    bool nearestIsNarrow = false;
 };
 
 PlanRooms findRooms(const PlanWalls& plan);

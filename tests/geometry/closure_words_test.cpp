@@ -1,10 +1,15 @@
-// What the report says of holes and skylights, and of ceilings that are as good as even.
+// What the report says of holes, skylights and what encloses nothing, and of ceilings that are as good as
+// even.
+#include <numbers>
+#include <string>
+
 #include <gtest/gtest.h>
 
 #include "geometry/building.h"
 #include "tests/geometry/drawn_pieces.h"
 
 using namespace heliodon::geometry;
+using heliodon::test::turned;
 using heliodon::test::wall;
 
 namespace {
@@ -69,4 +74,34 @@ TEST(ClosureWords, of_classes_with_as_much_wall_the_higher_one_has_the_ceiling) 
         EXPECT_EQ(report.rooms[0].ceilingFt, 10);
     }
     EXPECT_EQ(closeSketch(square(12, 12.1)).report.rooms[0].ceilingFt, 8);
+}
+
+TEST(ClosureWords, a_refusal_names_the_opening_and_not_all_walls) {
+    Sketch ell; // three sides of a room, and a wall elsewhere
+    ell.walls = {wall("a", {-6, -9}, {-6, 9}), wall("b", {-6, -9}, {6, -9}), wall("c", {6, -9}, {6, -5}),
+                 wall("far", {15, -3}, {15, 3})};
+    const ClosureReport report = closeSketch(ell).report;
+    EXPECT_EQ(report.code, "NOT_ENCLOSED");
+    EXPECT_NE(report.message.find(" ft wide beside a, c"), std::string::npos) << report.message;
+    EXPECT_EQ(report.message.find("far"), std::string::npos) << report.message;
+
+    Sketch many; // one beside another
+    for (int k = 0; k < 30; ++k)
+        many.walls.push_back(wall("m" + std::to_string(10 + k), {-15, k - 15}, {-14.5, k - 15}));
+    EXPECT_EQ(closeSketch(many).report.message,
+              "the walls enclose no space: m10, m11, m12, m13, m14, m15, m16, m17 and 22 others");
+}
+
+// Most of the box's walls lie ahead of ends of others.
+TEST(ClosureWords, a_closed_box_is_a_room_whatever_stands_in_it) {
+    Sketch s;
+    s.walls = {wall("S", {-10.1, -8}, {10.1, -8}), wall("E", {10, -8.1}, {10, 8.1}),
+               wall("N", {10.1, 8}, {-10.1, 8}), wall("W", {-10, 8.1}, {-10, -8.1})};
+    for (int k = 0; k < 44; ++k)
+        s.walls.push_back(
+            wall("g" + std::to_string(k), turned({-3, 0}, 180.0 * k / 44), turned({3, 0}, 180.0 * k / 44)));
+    const ClosureReport report = closeSketch(s).report;
+    ASSERT_EQ(report.rooms.size(), 1u) << report.message;
+    EXPECT_EQ(report.rooms[0].euler, 0);
+    EXPECT_NEAR(report.rooms[0].floorAreaFt2, 19.625 * 15.625 - std::numbers::pi * 9, 2);
 }
