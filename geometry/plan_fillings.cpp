@@ -22,6 +22,7 @@ constexpr double kDoor = 1.25;        // times a crack's width from end to end: 
 constexpr double kSpike = 2;          // times the thickness of walls that touch: a tip longer than that
 constexpr double kBesideCorner = 0.1; // inches off what fills it
 constexpr double kRunsBy = 0.5;       // inches: nearer to its end a wall does not run by another one
+constexpr double kJustOut = 0.4;      // inches: what is an overshoot of a wall
 constexpr double kTouching = 0.02;    // inches: what facets leave between walls that touch
 
 // Two ends that look at each other over a crack: the crack is the hull of the two end faces.
@@ -159,13 +160,22 @@ private:
         if (touches(plan_.solids, e) && !endsBesideCopy(e)) return weldOn(e);
         int hit = -1;
         const double t = firstHit(physical_, e.middle, e.out, e.piece, &hit);
-        if (t > width_) return;
+        if (t > width_ || looksOut(e)) return;
         const std::vector<PlanSolid> target{physical_[static_cast<size_t>(hit)]};
         const auto reach = [&](glm::dvec2 corner) {
             const double own = firstHit(target, corner, e.out, -2);
             return corner + ((own < t + 2 * thickness(e) ? own : t) + 0.02) * e.out;
         };
         add({e.right, reach(e.right), reach(e.left), e.left});
+    }
+
+    // Little out of a wall that it runs through: it was to end there, and is not on its way to what lies
+    // ahead.
+    bool looksOut(const WallEnd& e) const {
+        int hit = -1;
+        if (firstHit(physical_, e.middle, -e.out, e.piece, &hit) > kJustOut) return false;
+        const WallPiece& other = plan_.pieces[static_cast<size_t>(hit)];
+        return other.curved || std::abs(cross(e.out, glm::normalize(other.b - other.a))) > kParallelSine;
     }
 
     // With air ahead of it and only walls that run beside it round it: one of a wall that was laid twice, no

@@ -178,6 +178,29 @@ TEST(Overshoot, of_walls_in_pieces_is_no_part_of_a_room) {
     EXPECT_NEAR(measured(s).area, measured(ell(0)).area, 1e-6);
 }
 
+// A bay whose side runs through the wall beside it, before another wall 1.2 in away.
+TEST(Overshoot, does_not_go_on_to_what_lies_ahead) {
+    const auto bay = [](double over) {
+        const glm::dvec2 d = glm::normalize(glm::dvec2(1, -1)), foot(-8, 2), peak = foot - 2.0 * d;
+        Sketch s;
+        s.walls = {wall("s", {-8.2, -6}, {8.2, -6}),
+                   wall("e", {8, -6.2}, {8, 6.2}),
+                   wall("n", {8.2, 6}, peak + glm::dvec2(-0.3, 6 - peak.y)),
+                   wall("w", {-8, 2.3}, {-8, -6.2}),
+                   wall("bay", peak - 0.3 * d, foot + over * d),
+                   wall("b", {peak.x, 6.3}, peak),
+                   wall("m", {-7.8, 0.6}, {7.8, 0.6})};
+        s.walls[4].thickness = s.walls[5].thickness = 0.6;
+        return s;
+    };
+    const Measured exact = measured(bay(0));
+    for (const double over : {0.1, 0.2, 0.28, 0.35}) {
+        const Measured drawn = measured(turned(bay(over), 33));
+        EXPECT_EQ(drawn.faces, exact.faces) << over;
+        EXPECT_NEAR(drawn.area, exact.area, 1e-6) << over;
+    }
+}
+
 TEST(Overshoot, is_a_wall_where_it_is_long) {
     EXPECT_EQ(measured(ell(0.45)).faces, measured(ell(0)).faces + 2);
     EXPECT_EQ(measured(tee(0.45)).faces, measured(tee(0)).faces + 4);
