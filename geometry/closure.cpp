@@ -28,7 +28,7 @@ namespace heliodon::geometry {
 
 namespace {
 
-constexpr double kWideOpening = 8; // inches: a bridged opening this wide is worth a warning
+constexpr double kWideOpening = 8 + 1e-6; // inches: a wider bridged opening is worth a warning
 constexpr double kEven = 1e-4; // of a length: what walls of one class may be shorter than those of another
 constexpr double kLeastSkylight = 0.005; // inches: corners nearer to one another are one (plan_overlay.cpp)
 constexpr double kDoor = 2 - 1e-6;       // inches: as wide as doors are drawn

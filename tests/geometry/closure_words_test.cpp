@@ -15,11 +15,11 @@ using heliodon::test::wall;
 namespace {
 
 // A square with a hole in the middle of its lower side.
-ClosureReport withHole(double width) {
+ClosureReport withHole(double width, double degrees = 0) {
     Sketch s;
     s.walls = {wall("w1", {-9, -6}, {-width / 2, -6}), wall("w2", {width / 2, -6}, {9, -6}),
                wall("w3", {9, -6}, {9, 6}), wall("w4", {9, 6}, {-9, 6}), wall("w5", {-9, 6}, {-9, -6})};
-    return closeSketch(s).report;
+    return closeSketch(turned(s, degrees)).report;
 }
 
 Sketch square(double width, double height) {
@@ -42,6 +42,8 @@ TEST(ClosureWords, a_closed_hole_of_a_doors_size_is_named) {
                   std::string::npos)
             << report.message;
     }
+    for (const double degrees : {17.0, 33.0, 137.0, 211.0})
+        EXPECT_EQ(withHole(8, degrees).code, "OK") << degrees;
     EXPECT_EQ(withHole(1.8).message.find("opening"), std::string::npos);
     EXPECT_EQ(withHole(8.7).code, "WIDE_OPENING");
 }
