@@ -108,6 +108,7 @@ private:
         const double te = cross(between, f.out) / sine, tf = cross(between, e.out) / sine;
         const double behindE = -thickness(f) / std::abs(sine), behindF = -thickness(e) / std::abs(sine);
         if (te < behindE || tf < behindF || te > width_ || tf > width_) return;
+        if ((te > kJustOut && endsInWall(e, f.piece)) || (tf > kJustOut && endsInWall(f, e.piece))) return;
         const glm::dvec2 crossing = e.middle + te * e.out;
         const glm::dvec2 u = e.out * (0.5 * thickness(f) / std::abs(sine));
         const glm::dvec2 v = f.out * (0.5 * thickness(e) / sine);
@@ -137,6 +138,18 @@ private:
         return contains(outline, e.right) || contains(outline, e.left) || contains(outline, e.middle);
     }
 
+    // In a wall, other than this one and not along it, or little out of one that it runs through: it was to
+    // end there, and is not on its way to what lies ahead.
+    bool endsInWall(const WallEnd& e, int except = -1) const {
+        return std::ranges::any_of(physical_, [&](const PlanSolid& solid) {
+            if (solid.piece == e.piece || solid.piece == except) return false;
+            const WallPiece& other = plan_.pieces[static_cast<size_t>(solid.piece)];
+            if (!other.curved && std::abs(cross(e.out, glm::normalize(other.b - other.a))) <= kParallelSine)
+                return false;
+            return contains(solid.outline, e.middle) || firstHit({solid}, e.middle, -e.out, -2) <= kJustOut;
+        });
+    }
+
     static double clearance(const WallEnd& e, const WallEnd& f) {
         return std::min({glm::length(e.right - f.right), glm::length(e.right - f.left),
                          glm::length(e.left - f.right), glm::length(e.left - f.left)});
@@ -160,22 +173,13 @@ private:
         if (touches(plan_.solids, e) && !endsBesideCopy(e)) return weldOn(e);
         int hit = -1;
         const double t = firstHit(physical_, e.middle, e.out, e.piece, &hit);
-        if (t > width_ || looksOut(e)) return;
+        if (t > width_ || endsInWall(e)) return;
         const std::vector<PlanSolid> target{physical_[static_cast<size_t>(hit)]};
         const auto reach = [&](glm::dvec2 corner) {
             const double own = firstHit(target, corner, e.out, -2);
             return corner + ((own < t + 2 * thickness(e) ? own : t) + 0.02) * e.out;
         };
         add({e.right, reach(e.right), reach(e.left), e.left});
-    }
-
-    // Little out of a wall that it runs through: it was to end there, and is not on its way to what lies
-    // ahead.
-    bool looksOut(const WallEnd& e) const {
-        int hit = -1;
-        if (firstHit(physical_, e.middle, -e.out, e.piece, &hit) > kJustOut) return false;
-        const WallPiece& other = plan_.pieces[static_cast<size_t>(hit)];
-        return other.curved || std::abs(cross(e.out, glm::normalize(other.b - other.a))) > kParallelSine;
     }
 
     // With air ahead of it and only walls that run beside it round it: one of a wall that was laid twice, no

@@ -193,11 +193,21 @@ TEST(Overshoot, does_not_go_on_to_what_lies_ahead) {
         s.walls[4].thickness = s.walls[5].thickness = 0.6;
         return s;
     };
-    const Measured exact = measured(bay(0));
-    for (const double over : {0.1, 0.2, 0.28, 0.35}) {
-        const Measured drawn = measured(turned(bay(over), 33));
-        EXPECT_EQ(drawn.faces, exact.faces) << over;
-        EXPECT_NEAR(drawn.area, exact.area, 1e-6) << over;
+    for (const bool door : {false, true}) {
+        const auto drawn = [&](double over) { // the end of a short wall beside a door is near, too
+            Sketch s = bay(over);
+            if (!door) return s;
+            s.walls.back() = wall("m", {-4.4, 0.95}, {7.8, 0.95});
+            s.walls.push_back(wall("jamb", {-7.8, 0.95}, {-7.05, 0.95}));
+            return s;
+        };
+        const Measured exact = measured(drawn(-0.2));
+        for (const double over : {0.0, 0.1, 0.2, 0.28, 0.35}) {
+            SCOPED_TRACE(testing::Message() << door << ' ' << over);
+            const Measured other = measured(turned(drawn(over), 33));
+            EXPECT_EQ(other.faces, exact.faces);
+            EXPECT_NEAR(other.area, exact.area, 1e-6);
+        }
     }
 }
 
