@@ -180,13 +180,16 @@ private:
     }
 
     // A wall that runs on past another one by little, or whose square end does at a slant, ends where the
-    // faces of the two meet.
+    // faces of the two meet. The longest ends first: the way round the outline changes nothing.
     bool dropOvershoot() {
+        std::vector<std::pair<double, size_t>> ends;
         for (size_t i = 0; i < size(); ++i)
-            if (isEndOfWall(i) ? endAtFace(i) || endAtCorner(i)
-                               : info(i).piece < 0 && !info(i).gap && endAtCorner(i))
-                return true;
-        return false;
+            if (isEndOfWall(i) || (info(i).piece < 0 && !info(i).gap))
+                ends.emplace_back(-glm::length(edge(i)), i);
+        std::ranges::sort(ends);
+        return std::ranges::any_of(ends, [&](const auto& end) {
+            return (isEndOfWall(end.second) && endAtFace(end.second)) || endAtCorner(end.second);
+        });
     }
 
     // Edge i stands before a face that runs on behind it, or a part of it at a slant.
