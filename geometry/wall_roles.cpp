@@ -216,6 +216,7 @@ private:
             else
                 open.push_back(part);
         });
+        if (open.empty()) return out;
         std::vector<double> overMiddle;
         const double way = onLeft ? 1 : -1;
         for (const PlanSolid* solid : near)
