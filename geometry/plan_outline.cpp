@@ -167,13 +167,11 @@ private:
     }
 
     bool ofOneSide(int piece, int other) const { // straight ones
-        const auto &wall = plan_.pieces[static_cast<size_t>(piece)],
-                   &beside = plan_.pieces[static_cast<size_t>(other)];
-        return piece == other || (!wall.curved && wall.line == beside.line);
+        const WallPiece& wall = plan_.pieces[static_cast<size_t>(piece)];
+        return piece == other || (!wall.curved && wall.line == plan_.pieces[static_cast<size_t>(other)].line);
     }
 
     double thicknessOf(int piece) const { return plan_.pieces[static_cast<size_t>(piece)].thickness; }
-
     double lengthOf(int piece) const { // of a straight one
         const WallPiece& wall = plan_.pieces[static_cast<size_t>(piece)];
         return glm::length(wall.b - wall.a);
@@ -194,8 +192,8 @@ private:
 
     // Edge i stands before a face that runs on behind it, or a part of it at a slant.
     bool endAtFace(size_t i) {
-        const size_t n = size();
-        return standsOut(i, i + n - 1, i + 2) || standsOut(i, i, i + 2) || standsOut(i, i + n - 1, i + 1);
+        const size_t before = i + size() - 1;
+        return standsOut(i, before, i + 2) || standsOut(i, i, i + 2) || standsOut(i, before, i + 1);
     }
 
     // Edge i, with one or both sides of its wall, between two corners on that face.
