@@ -61,7 +61,7 @@ public:
         if (blocks) throw *blocks;
         if (whyNoPane_) throw *whyNoPane_;
         if (asDrawn) throw *asDrawn;
-        throw reading_.model.errorAt(
+        throw reading_.model.openAt(
             made->use.without[0],
             "the glass bounds no room, nor does any other: something crosses it, or the model is "
             "open elsewhere, as where a door in a thick wall is not drawn");
@@ -71,7 +71,7 @@ private:
     Building saidOfGlass(WithGlass made) {
         if (made.use.without.empty()) return std::move(made.building);
         if (areAllSmall(made.building, leastRoom(reading_.worldPerBuilding())))
-            throw reading_.model.errorAt(
+            throw reading_.model.openAt(
                 made.use.without[0],
                 fmt::format("the glass bounds no room, and all that is closed holds less than {} "
                             "m3: the model is open elsewhere, as by a hole without a pane or a "
@@ -149,7 +149,7 @@ private:
                                          const std::vector<bool>& inRoom) const {
         const std::set<uint32_t> made(panes.made.begin(), panes.made.end());
         if (!made.empty() && std::ranges::none_of(rooms.source, [&](uint32_t f) { return made.contains(f); }))
-            return reading_.model.errorAt(
+            return reading_.model.openAt(
                 panes.made[0],
                 "the glass fills a hole but bounds no room: the model is open elsewhere, as by "
                 "a hole without a pane or a gap round a frame" +

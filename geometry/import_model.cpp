@@ -110,7 +110,7 @@ public:
                         "z {:.2f} m (y up)",
                         reading_.inBuilding(pocket->width), reading_.inBuilding(pocket->height), at.x, at.y,
                         at.z),
-            {{}, {pocket->hole, pocket->hole}});
+            {.border = {pocket->hole, pocket->hole}});
     }
 
 private:
@@ -152,7 +152,8 @@ private:
         if (!whyNoPane && isOfWallsAlone()) // what is wrong with glass says more
             throw InputError(reading_.model.file, "",
                              "encloses no room: all that is closed is as thin as walls and slabs, and they "
-                             "close nothing in between (a ceiling or a wall is missing, or there are gaps)");
+                             "close nothing in between (a ceiling or a wall is missing, or there are gaps)",
+                             {.isOpen = true});
         throw InputError(*wrong, doubtsOfGlass());
     }
 

@@ -27,6 +27,6 @@ InputError::InputError(const InputError& error, const std::vector<glm::dvec3>& b
           const size_t at = before.empty() ? std::string::npos : text.find(before);
           return at == std::string::npos ? text + said : text.replace(at, before.size(), said);
       }()),
-      where_{error.where_.faces, border, said} {}
+      where_{error.where_.faces, border, said, error.where_.isOpen} {}
 
 } // namespace heliodon::geometry

@@ -20,6 +20,7 @@ struct ModelPlace {
     std::vector<uint32_t> faces;    // by their numbers in the file, the one that is named first
     std::vector<glm::dvec3> border; // both ends of each edge round a hole, world metres
     std::string said;               // of that hole, in the message
+    bool isOpen = false;            // the model does not close, there or elsewhere
 };
 
 class InputError : public std::runtime_error {

@@ -300,14 +300,14 @@ private:
         return ends;
     }
 
+    // `place`: without its faces.
     [[noreturn]] void refuse(const std::vector<uint32_t>& faces, const std::string& what,
-                             const std::vector<glm::dvec3>& border = {},
-                             const std::string& ofHole = "") const {
+                             ModelPlace place = {}) const {
         std::vector<uint32_t> drawn; // a face may have been cut into several
         for (const uint32_t f : faces) drawn.push_back(source_[f]);
         std::ranges::sort(drawn);
         drawn.erase(std::unique(drawn.begin(), drawn.end()), drawn.end());
-        if (!border.empty()) { // what is said of it is said of its face
+        if (!place.border.empty()) { // what is said of it is said of its face
             const auto first = std::ranges::find(drawn, source_[faces[0]]);
             std::rotate(drawn.begin(), first, first + 1);
         }
@@ -315,9 +315,9 @@ private:
         std::string more =
             all.size() < 2 ? "" : model_.places(all.subspan(1, std::min<size_t>(4, all.size() - 1)));
         if (drawn.size() > 5) more += fmt::format(" and {} more", drawn.size() - 5);
+        place.faces = drawn;
         throw InputError(model_.file, drawn.empty() ? "" : model_.place(drawn[0]),
-                         what + ofHole + (more.empty() ? "" : " (also " + more + ")"),
-                         {drawn, border, ofHole});
+                         what + place.said + (more.empty() ? "" : " (also " + more + ")"), place);
     }
 
     // In the file's unit and axes, as the program that wrote it shows them.
@@ -335,7 +335,9 @@ private:
         if (building_.faces.empty()) throw model_.errorAt(0, "no face of the model has an area");
         const std::vector<Face> before = made_.empty() ? std::vector<Face>{} : building_.faces;
         ShellFaces shells = orientShells(building_);
-        if (!shells.bad.empty()) refuse(shells.bad, shells.what, shells.border, sizeOf(shells));
+        if (!shells.bad.empty())
+            refuse(shells.bad, shells.what,
+                   {.border = shells.border, .said = sizeOf(shells), .isOpen = shells.isOpen});
         shell_ = std::move(shells.shell);
         shellCount_ = shells.count;
         turnedOver_ += shells.turnedOver;
@@ -452,11 +454,11 @@ private:
 
     void proveRooms() {
         const std::vector<ShellProof> proofs = proveShells(building_);
-        if (proofs.empty()) refuse({0}, "the model encloses no room");
+        if (proofs.empty()) refuse({0}, "the model encloses no room", {.isOpen = true});
         for (const ShellProof& proof : proofs) {
             if (!proof.closed)
-                refuse(proof.badFaces,
-                       "the model is not closed: the faces round a corner form no single fan");
+                refuse(proof.badFaces, "the model is not closed: the faces round a corner form no single fan",
+                       {.isOpen = true});
             if (proof.selfIntersecting) refuse(proof.badFaces, "the face crosses another face");
             if (!(proof.volume > kLeastRoomOfExtent * extent_ * extent_ * extent_))
                 refuse(facesOfRoom(static_cast<uint32_t>(&proof - proofs.data())),

@@ -1,9 +1,5 @@
 #include "geometry/named_leak.h"
 
-#include <algorithm>
-#include <array>
-#include <string_view>
-
 #include <fmt/format.h>
 
 #include "geometry/air_leak.h"
@@ -13,16 +9,8 @@
 
 namespace heliodon::geometry {
 
-namespace {
-
-constexpr std::array kWordsOfOpen{"not closed", "encloses no room", "open elsewhere"};
-
-}
-
 InputError withLeak(const InputError& error, const RawModel& model, double extent, double worldPerBuilding) {
-    const std::string_view text = error.what();
-    if (std::ranges::none_of(kWordsOfOpen, [&](const char* w) { return text.find(w) != text.npos; }))
-        return error;
+    if (!error.where().isOpen) return error;
     const auto leak = airLeak(flatFaces(model, extent, worldPerBuilding).soup, kWeldOfExtent * extent);
     if (!leak) return error;
     // What is named as the place of a border is its middle, which is in a hole that it goes round alone.

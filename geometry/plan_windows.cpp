@@ -34,8 +34,9 @@ struct SideWindow {
     Stretch on{};
     std::string id;
     Blind blind;
-    std::string wall;        // of the marker that reaches farthest
-    bool outerLayer = false; // the marker is on another wall, before that of the room
+    std::string wall;         // of the marker that reaches farthest
+    bool outerLayer = false;  // the marker is on another wall, before that of the room
+    std::vector<size_t> cuts; // notes that it is cut to its wall
 };
 
 auto order(const SideWindow& w) {
@@ -61,6 +62,7 @@ public:
         for (const SideWindow& window : windows_) cutThrough(window);
         lookAtWallsBefore();
         for (const Opening& opening : openings_) add(opening);
+        std::erase_if(out_.notes, [](const PlanNote& one) { return one.code.empty(); });
         return std::move(out_);
     }
 
@@ -89,9 +91,11 @@ private:
             return note("WINDOW_OFF_WALL", marker,
                         "does not lie on its wall " + marker.wall + " and is ignored");
         if (!isSeen(plan_, runs_, window.line, window.on)) moveToRoom(window);
-        if (const double beyond = beyondWall(window); beyond > std::max(kByEye, kMostCut * marker.width))
+        if (const double beyond = beyondWall(window); beyond > std::max(kByEye, kMostCut * marker.width)) {
+            window.cuts = {out_.notes.size()};
             note("WINDOW_BEYOND_WALL", marker,
                  fmt::format("reaches {:.1f} ft beyond its wall {} and is cut to it", beyond, marker.wall));
+        }
         windows_.push_back(window);
     }
 
@@ -139,6 +143,7 @@ private:
                                                   inner->id, outer.id)});
             inner->on = both;
             inner->id += "+" + outer.id;
+            inner->cuts.insert(inner->cuts.end(), outer.cuts.begin(), outer.cuts.end());
             windows_.erase(windows_.begin() + static_cast<std::ptrdiff_t>(i));
         }
     }
@@ -183,6 +188,7 @@ private:
                 if (next.on.to > w.on.to) w.wall = next.wall;
                 w.on.to = std::max(w.on.to, next.on.to);
                 w.id += "+" + next.id;
+                w.cuts.insert(w.cuts.end(), next.cuts.begin(), next.cuts.end());
                 windows_.erase(windows_.begin() + static_cast<std::ptrdiff_t>(i) + 1);
             } else
                 ++i;
@@ -237,10 +243,7 @@ private:
                 for (const Stretch& rest : without(seen.on, shared, kCrossWall))
                     openings_.push_back({&window, {{seen.run, rest}}});
         if (openings_.size() > before) return;
-        std::erase_if(out_.notes, [&](const PlanNote& other) { // nothing of it was cut to its wall
-            return other.code == "WINDOW_BEYOND_WALL" &&
-                   other.sentence.starts_with(fmt::format("window {} ", window.id));
-        });
+        for (const size_t k : window.cuts) out_.notes[k].code.clear(); // taken back
         out_.notes.push_back(
             {"WINDOW_OUTSIDE",
              fmt::format("window {} is where its wall encloses nothing and is ignored", window.id)});

@@ -85,7 +85,11 @@ std::string RawModel::places(std::span<const uint32_t> faces) const {
 }
 
 InputError RawModel::errorAt(uint32_t face, const std::string& what) const {
-    return {file, place(face), what, {{face}, {}}};
+    return {file, place(face), what, {.faces = {face}}};
+}
+
+InputError RawModel::openAt(uint32_t face, const std::string& what) const {
+    return {file, place(face), what, {.faces = {face}, .isOpen = true}};
 }
 
 std::string RawModel::doWithoutNamed(const std::string& message) const {

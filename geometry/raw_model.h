@@ -105,6 +105,8 @@ struct RawModel {
     std::string places(std::span<const uint32_t> faces) const;
     // What is wrong with the face, which the message names.
     InputError errorAt(uint32_t face, const std::string& what) const;
+    // The same of a model that does not close.
+    InputError openAt(uint32_t face, const std::string& what) const;
     // Where a message names an object that has no glass and is not most of what there is: how to do without
     // it, for a shell. Else "".
     std::string doWithoutNamed(const std::string& message) const;

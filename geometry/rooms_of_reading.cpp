@@ -34,7 +34,7 @@ void judge(const ModelReading& reading, const ModelFaces& all, const GroundOutsi
         judgeSheets(ground.sheets, rooms.building, solids, looksIn,
                     reading.worldPerBuilding(rooms.building.vertices), reading.flatness());
     if (verdict.fault)
-        throw reading.model.errorAt(
+        throw reading.model.openAt(
             verdict.fault->surface,
             fmt::format("the model is not closed: this face {} (what is open has to stand outside of "
                         "rooms)",

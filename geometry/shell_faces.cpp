@@ -164,7 +164,10 @@ std::map<Edge, std::vector<uint32_t>> facesOfEdges(const Building& building) {
 
 ShellFaces orientShells(Building& building) {
     const auto edges = facesOfEdges(building);
-    if (ShellFaces open = openFaces(building, edges); !open.bad.empty()) return open;
+    if (ShellFaces open = openFaces(building, edges); !open.bad.empty()) {
+        open.isOpen = true;
+        return open;
+    }
     std::vector<uint32_t> crowded;
     for (const auto& [edge, faces] : edges)
         if (faces.size() > 2) crowded.insert(crowded.end(), faces.begin(), faces.end());

@@ -27,6 +27,7 @@ struct ShellFaces {
     size_t turnedOver = 0;          // faces, against the others of their shell
     std::vector<uint32_t> bad;      // faces that keep the shells from closing; empty when they do
     std::string what;               // is wrong with those
+    bool isOpen = false;            // namely that edges of them have one face alone
     std::vector<glm::dvec3> border; // both ends of each open edge of a hole that bad[0] lies along
     bool isHole = false;            // closing that may be all; else it is of the largest open part
 };

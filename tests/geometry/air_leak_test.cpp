@@ -76,6 +76,23 @@ TEST(AirLeak, gaps_in_walls_are_found_beside_larger_open_borders) {
         }
 }
 
+TEST(AirLeak, names_of_objects_make_no_refusal_one_of_an_open_model) {
+    Drawing drawing(false);
+    drawing.room(0, 4, true);
+    drawing.sheet({0, 0, 5}, {0, 2.5, 0}, {1.5, 0, 0}), drawing.sheet({1.6, 0, 5}, {0, 2.5, 0}, {2.4, 0, 0});
+    drawing.object("not closed");
+    drawing.sheet({3, 0, 5}, {0, 2, 0}, {0.8, 0, 0}, "glass"); // drawn twice
+    drawing.sheet({3, 0, 5}, {0, 2, 0}, {0.8, 0, 0});
+    try {
+        drawing.read();
+        ADD_FAILURE();
+    } catch (const InputError& error) {
+        const std::string what = error.what();
+        EXPECT_NE(what.find("lie on one another"), std::string::npos) << what;
+        EXPECT_EQ(what.find("leaks"), std::string::npos) << what;
+    }
+}
+
 // A slot between two walls, each a closed body.
 TEST(AirLeak, gaps_between_bodies_are_found) {
     const double gap = 0.02;

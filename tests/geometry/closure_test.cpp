@@ -429,6 +429,16 @@ TEST(Closure, a_window_that_reaches_far_beyond_its_wall_is_named) {
     EXPECT_EQ(codeOf(window("slit", "n", 10, 0.1)), "WINDOW_TOO_NARROW");
 }
 
+TEST(Closure, what_is_said_of_a_window_is_taken_back_of_that_alone) {
+    Sketch s = box(-10, -6, 10, 6);
+    s.walls.push_back(wall("tail", {10, -6}, {18, -6}));
+    s.windows = {window("n1 wide", "n", 10, 30), window("n1", "tail", 6, 3)};
+    const std::string message = closeSketch(s).report.message;
+    EXPECT_NE(message.find("n1 wide reaches"), std::string::npos) << message;
+    EXPECT_EQ(message.find("n1 reaches"), std::string::npos) << message;
+    EXPECT_NE(message.find("n1 is where its wall encloses nothing"), std::string::npos) << message;
+}
+
 TEST(Closure, partitions_may_touch_walls_and_cross_each_other) {
     Sketch s = box(-8, -6, 8, 6);
     s.walls.push_back(wall("g1", {-8, 0}, {0, 0}, HeightClass::green));
