@@ -20,6 +20,7 @@
 #include "geometry/open_sheets.h"
 #include "geometry/outline_area.h"
 #include "geometry/ray_triangle.h"
+#include "geometry/sheet_bodies.h"
 #include "geometry/sheet_rooms.h"
 #include "geometry/shell_faces.h"
 #include "geometry/space_sheets.h"
@@ -37,10 +38,10 @@ constexpr double kOfFlat = 0.01;      // more than one has no offset between pla
 constexpr double kHold = 1e-4;
 constexpr double kParallel = 0.9;   // least cosine to a wall behind: the floor is none
 constexpr double kOnPlane = 0.98;   // cosine: a sheet along a wall goes on from it, and stands not on it
+constexpr double kThickest = 25;    // times `near`: sheets no farther apart may be the sides of a body
 constexpr double kNoAccount = 0.01; // tolerances: nearer a wall's plane than this a rim stays as it is
 constexpr double kThick = 0.6;      // least part of its thickness where a rim slides along a wall
 constexpr double kPlanar = kPlanarOfExtent / kWeldOfExtent; // tolerances: what rooms take as flat
-constexpr size_t kMostShared = 1; // edges with what is no sheet: more has the last face of a broken body
 
 std::vector<SoupFace> numbered(std::vector<SoupFace> faces) {
     for (uint32_t k = 0; k < faces.size(); ++k) faces[k].surface = k;
@@ -105,9 +106,9 @@ public:
     // False where a sheet has one side alone, or ends a hair before a wall.
     bool make(std::vector<SoupFace>& out) {
         const auto edges = facesOfEdges(welded_);
+        findJoints(edges);
         DisjointSets sets(welded_.faces.size());
-        for (const auto& [edge, around] : edges)
-            if (around.size() == 2) sets.join(around[0], around[1]);
+        for (const Edge& joint : joints_) sets.join(edges.at(joint)[0], edges.at(joint)[1]);
         std::map<uint32_t, std::vector<uint32_t>> wholes;
         for (uint32_t f = 0; f < welded_.faces.size(); ++f) wholes[sets.root(f)].push_back(f);
         return std::ranges::all_of(wholes,
@@ -115,27 +116,77 @@ public:
     }
 
 private:
+    using Corner = std::pair<uint32_t, uint32_t>; // vertex, face
+
+    // Edges over which two sheets are one board. Where a third ends on them they are not, all along that
+    // line.
+    void findJoints(const std::map<Edge, std::vector<uint32_t>>& edges) {
+        std::vector<Edge> next;
+        std::map<uint32_t, std::vector<Edge>> joints; // per vertex
+        for (const auto& [edge, around] : edges) {
+            if (around.size() > 2) next.push_back(edge);
+            if (around.size() != 2) continue;
+            joints_.insert(edge);
+            joints[edge.first].push_back(edge), joints[edge.second].push_back(edge);
+        }
+        const auto way = [&](const Edge& edge) {
+            return glm::normalize(welded_.vertices[edge.second] - welded_.vertices[edge.first]);
+        };
+        while (!next.empty()) {
+            const Edge edge = next.back();
+            next.pop_back();
+            for (const uint32_t v : {edge.first, edge.second})
+                for (const Edge& other : joints[v])
+                    if (std::abs(glm::dot(way(edge), way(other))) > kOnePlaneCosine && joints_.erase(other))
+                        next.push_back(other);
+        }
+    }
+
     bool makeOne(const std::vector<uint32_t>& members, const std::map<Edge, std::vector<uint32_t>>& edges,
                  std::vector<SoupFace>& out) {
         over_.clear();
         if (!orient(members, edges)) return false;
-        std::map<uint32_t, std::pair<glm::dmat3, dvec3>> planes; // per corner, sums over its faces
-        for (const uint32_t f : members) {
-            const dvec3 n = normalOf(f);
-            for (const auto& loop : welded_.faces[f].loops)
-                for (const uint32_t v : loop) {
-                    auto& [a, b] = planes.try_emplace(v, glm::dmat3(1e-9), dvec3(0)).first->second;
-                    a += glm::outerProduct(n, n), b += n;
-                }
+        findFans(members, edges);
+        std::map<uint32_t, std::pair<glm::dmat3, dvec3>> planes; // per fan, sums over its faces
+        for (const auto& [corner, fan] : fan_) {
+            const dvec3 n = normalOf(corner.second);
+            auto& [a, b] = planes.try_emplace(fan, glm::dmat3(1e-9), dvec3(0)).first->second;
+            a += glm::outerProduct(n, n), b += n;
         }
         offset_.clear();
-        for (const auto& [v, sums] : planes) offset_[v] = offsetFrom(sums.first, sums.second);
-        for (const auto& [v, normals] : normalsAtRim(members, edges))
-            slide(offset_.at(v), planes.at(v).first, planes.at(v).second, normals);
+        for (const auto& [fan, sums] : planes) offset_[fan] = offsetFrom(sums.first, sums.second);
+        for (const auto& [fan, normals] : normalsAtRim(members))
+            slide(offset_.at(fan), planes.at(fan).first, planes.at(fan).second, normals);
         if (endsAlmostOnWalls(members, edges)) return false;
         const auto [ahead, behind] = depths(members);
-        for (const uint32_t f : members) addSides(f, ahead, behind, edges, out);
+        for (const uint32_t f : members) addSides(f, ahead, behind, out);
         return true;
+    }
+
+    // Per corner of a face: faces round a vertex that hang together by joints move as one there.
+    void findFans(const std::vector<uint32_t>& members, const std::map<Edge, std::vector<uint32_t>>& edges) {
+        std::map<Corner, uint32_t> number;
+        for (const uint32_t f : members)
+            for (const auto& loop : welded_.faces[f].loops)
+                for (const uint32_t v : loop)
+                    number.try_emplace({v, f}, static_cast<uint32_t>(number.size()));
+        DisjointSets sets(number.size());
+        for (const uint32_t f : members)
+            eachEdge(f, [&](uint32_t a, uint32_t b) {
+                if (!isJoint(a, b)) return;
+                for (const uint32_t g : edges.at(std::minmax(a, b)))
+                    for (const uint32_t v : {a, b}) sets.join(number.at({v, f}), number.at({v, g}));
+            });
+        fan_.clear();
+        for (const auto& [corner, k] : number) fan_[corner] = sets.root(k);
+    }
+
+    bool isJoint(uint32_t a, uint32_t b) const { return joints_.contains(std::minmax(a, b)); }
+
+    // As the face runs.
+    template<class Take> void eachEdge(uint32_t f, const Take& take) const {
+        for (const auto& loop : welded_.faces[f].loops)
+            for (size_t k = 0; k < loop.size(); ++k) take(loop[k], loop[(k + 1) % loop.size()]);
     }
 
     // Least squares: by which all planes move by one. Where they are one plane or nearly so, the inverse may
@@ -150,20 +201,16 @@ private:
         return d * std::min(1.0, kMostOffset / glm::length(d));
     }
 
-    // Per corner of the rim, of what that stands on.
-    std::map<uint32_t, std::vector<dvec3>>
-    normalsAtRim(const std::vector<uint32_t>& members,
-                 const std::map<Edge, std::vector<uint32_t>>& edges) const {
+    // Per fan at the rim, of what that stands on.
+    std::map<uint32_t, std::vector<dvec3>> normalsAtRim(const std::vector<uint32_t>& members) const {
         std::map<uint32_t, std::vector<dvec3>> out;
         for (const uint32_t f : members)
-            for (const auto& loop : welded_.faces[f].loops)
-                for (size_t k = 0; k < loop.size(); ++k) {
-                    const uint32_t a = loop[k], b = loop[(k + 1) % loop.size()];
-                    if (edges.at(std::minmax(a, b)).size() == 2) continue;
-                    for (const dvec3 n : all_.normalsAlong(welded_.vertices[a], welded_.vertices[b]))
-                        if (std::abs(glm::dot(n, normalOf(f))) < kOnPlane)
-                            out[a].push_back(n), out[b].push_back(n);
-                }
+            eachEdge(f, [&](uint32_t a, uint32_t b) {
+                if (isJoint(a, b)) return;
+                for (const dvec3 n : all_.normalsAlong(welded_.vertices[a], welded_.vertices[b]))
+                    if (std::abs(glm::dot(n, normalOf(f))) < kOnPlane)
+                        for (const uint32_t v : {a, b}) out[fan_.at({v, f})].push_back(n);
+            });
         return out;
     }
 
@@ -200,8 +247,8 @@ private:
             for (const auto& loop : welded_.faces[f].loops)
                 for (size_t k = 0; k < loop.size(); ++k) {
                     const uint32_t from = loop[k], to = loop[(k + 1) % loop.size()];
+                    if (!isJoint(from, to)) continue;
                     const auto& around = edges.at(std::minmax(from, to));
-                    if (around.size() != 2) continue;
                     const uint32_t g = around[0] == f ? around[1] : around[0];
                     const bool over = over_.at(f) != runs(g, from, to);
                     const auto [known, isNew] = over_.try_emplace(g, over);
@@ -286,12 +333,13 @@ private:
         return side > 0 ? std::pair(back, 0.0) : std::pair(0.0, back);
     }
 
-    void addSides(uint32_t f, double ahead, double behind, const std::map<Edge, std::vector<uint32_t>>& edges,
-                  std::vector<SoupFace>& out) const {
+    void addSides(uint32_t f, double ahead, double behind, std::vector<SoupFace>& out) const {
         const Face& face = welded_.faces[f];
         const SoupFace& sheet = sheets_[face.surface];
         const bool over = over_.at(f);
-        const auto at = [&](uint32_t v, double depth) { return welded_.vertices[v] + depth * offset_.at(v); };
+        const auto at = [&](uint32_t v, double depth) {
+            return welded_.vertices[v] + depth * offset_.at(fan_.at({v, f}));
+        };
         // As it is drawn, and its back.
         const double drawn = over ? -behind : ahead, turned = over ? ahead : -behind;
         const auto add = [&](const std::vector<std::vector<dvec3>>& loops, bool isBack) {
@@ -312,18 +360,15 @@ private:
             if (isFlat(loops)) return add(loops, isBack);
             for (const auto& triangle : triangulateFace(welded_, face)) add({moved(triangle)}, isBack);
         };
-        for (const auto& loop : face.loops)
-            for (size_t k = 0; k < loop.size(); ++k) {
-                const uint32_t a = loop[k], b = loop[(k + 1) % loop.size()];
-                if (edges.at(std::minmax(a, b)).size() == 2) continue;
-                const std::vector<dvec3> rim{at(a, turned), at(b, turned), at(b, drawn), at(a, drawn)};
-                const dvec3 n = glm::normalize(areaVector(rim));
-                if (std::abs(glm::dot(rim[1] - rim[0], n)) + std::abs(glm::dot(rim[3] - rim[0], n)) <
-                    tolerance_)
-                    add({rim}, false);
-                else
-                    add({{rim[0], rim[1], rim[2]}}, false), add({{rim[0], rim[2], rim[3]}}, false);
-            }
+        eachEdge(f, [&](uint32_t a, uint32_t b) {
+            if (isJoint(a, b)) return;
+            const std::vector<dvec3> rim{at(a, turned), at(b, turned), at(b, drawn), at(a, drawn)};
+            const dvec3 n = glm::normalize(areaVector(rim));
+            if (std::abs(glm::dot(rim[1] - rim[0], n)) + std::abs(glm::dot(rim[3] - rim[0], n)) < tolerance_)
+                add({rim}, false);
+            else
+                add({{rim[0], rim[1], rim[2]}}, false), add({{rim[0], rim[2], rim[3]}}, false);
+        });
         addSide(drawn, false), addSide(turned, true);
     }
 
@@ -340,8 +385,10 @@ private:
     const Walls &walls_, &all_;
     double thickness_, near_, tolerance_;
     Building welded_;
-    std::map<uint32_t, bool> over_;    // per face of one whole
-    std::map<uint32_t, dvec3> offset_; // per corner of one whole: by which all its faces move by one
+    std::map<uint32_t, bool> over_; // per face of one whole
+    std::set<Edge> joints_;
+    std::map<Corner, uint32_t> fan_;   // of one whole
+    std::map<uint32_t, dvec3> offset_; // per fan of one whole: by which all its faces move by one
 };
 
 // Most of it, on both its sides.
@@ -353,65 +400,6 @@ bool liesIn(const SheetRooms& rooms, const FlatFace& piece, double tolerance) {
     });
 }
 
-// A wall's body that lacks a face has others that hang by their edges.
-bool isOfBody(const std::vector<SoupFace>& drawn, const std::set<uint32_t>& sheets, double tolerance) {
-    const Building welded = weldedByNumber(drawn, tolerance);
-    std::map<uint32_t, size_t> shared;
-    for (const auto& [edge, around] : facesOfEdges(welded)) {
-        const auto isSheet = [&](uint32_t f) {
-            return sheets.contains(drawn[welded.faces[f].surface].surface);
-        };
-        if (std::ranges::all_of(around, isSheet)) continue;
-        for (const uint32_t f : around)
-            if (isSheet(f) && ++shared[f] > kMostShared) return true;
-    }
-    return false;
-}
-
-// Of boxes and pots without a lid the bottoms, as drawn on a floor or table: they lie on larger faces, and
-// all their edges are those of sheets.
-std::set<uint32_t> bottomsOf(const std::set<uint32_t>& sheets, const std::vector<SoupFace>& faces,
-                             const std::function<bool(uint32_t)>& isGlass, double tolerance) {
-    std::vector<bool> mayBe;
-    for (uint32_t k = 0; k < faces.size(); ++k)
-        mayBe.push_back(!sheets.contains(k) && !isGlass(faces[k].material));
-    const std::vector<Sheet> pieces = cutIntoSheets(faces, tolerance);
-    const auto leaveOut = [&](const auto& which) { // pieces of which no other face is
-        for (const Sheet& piece : pieces) {
-            std::vector<uint32_t> all = piece.drawn[0];
-            all.insert(all.end(), piece.drawn[1].begin(), piece.drawn[1].end());
-            if (which(all))
-                for (const uint32_t k : all) mayBe[k] = false;
-        }
-    };
-    leaveOut([](const auto& all) { return all.size() == 1; });
-    leaveOut([&](const auto& all) { return std::ranges::all_of(all, [&](uint32_t k) { return mayBe[k]; }); });
-    const Building welded = weldedByNumber(faces, tolerance);
-    DisjointSets sets(faces.size()); // a bottom may be drawn as several
-    std::set<uint32_t> open, sharing;
-    for (const auto& [edge, around] : facesOfEdges(welded)) {
-        std::vector<uint32_t> bottoms;
-        bool isOfSheet = false;
-        for (const uint32_t f : around) {
-            const uint32_t k = welded.faces[f].surface;
-            if (mayBe[k]) bottoms.push_back(k);
-            isOfSheet |= sheets.contains(k);
-        }
-        for (const uint32_t k : bottoms) sets.join(k, bottoms[0]);
-        const auto isSame = [&](uint32_t k) { // drawn for its other side
-            return sortedCorners(faces[k]) == sortedCorners(faces[bottoms[0]]);
-        };
-        if (isOfSheet || std::ranges::all_of(bottoms, isSame))
-            (isOfSheet ? sharing : open).insert(bottoms.begin(), bottoms.end());
-    }
-    std::set<uint32_t> held, out;
-    for (const uint32_t k : sharing) held.insert(sets.root(k));
-    for (const uint32_t k : open) held.erase(sets.root(k));
-    for (uint32_t k = 0; k < faces.size(); ++k)
-        if (mayBe[k] && held.contains(sets.root(k))) out.insert(k);
-    return out;
-}
-
 // None where they are of a broken body, or BoardMaker makes none.
 std::optional<SheetBoards> boardsOf(const std::set<uint32_t>& inRooms, const std::vector<SoupFace>& faces,
                                     const std::vector<SoupFace>& drawn,
@@ -419,7 +407,7 @@ std::optional<SheetBoards> boardsOf(const std::set<uint32_t>& inRooms, const std
                                     double near, double tolerance) {
     std::set<uint32_t> surfaces;
     for (const uint32_t k : inRooms) surfaces.insert(faces[k].surface);
-    if (isOfBody(drawn, surfaces, tolerance)) return std::nullopt;
+    if (areOfBody(drawn, surfaces, kThickest * near, tolerance)) return std::nullopt;
     SheetBoards out{
         .faces = {}, .first = 0, .sheets = inRooms.size(), .surface = faces[*inRooms.begin()].surface};
     std::vector<SoupFace> sheets, walls;

@@ -23,8 +23,9 @@ struct SheetBoards {
 // sheet leans, unless it lies within 12 degrees of it. Glass (`isGlass` of a material) is none. None where
 // there is no such face, or one has one side alone, like a Moebius strip, ends before a wall by less than a
 // quarter of `near` (it was to reach it), or has two edges or more with other faces as they were `drawn`
-// (what is left of a body that lacks one). Where some stand on faces that lie on others and have edges with
-// such sheets alone, as the bottom of a box without a lid, once more with these. Corners are one within
+// (what is left of a body that lacks one), but those where others meet without it, unless another such sheet
+// is parallel and 25 times `near` away at most. Where some stand on faces that lie on others and have edges
+// with such sheets alone, as the bottom of a box without a lid, once more with these. Corners are one within
 // `tolerance` (metres). Cost: that of openSheets().
 std::vector<SheetBoards> sheetsAsBoards(const std::vector<SoupFace>& faces,
                                         const std::vector<SoupFace>& drawn,

@@ -171,6 +171,57 @@ TEST(SheetBoards, a_partition_with_an_open_door_and_a_pane_has_its_room_on_both_
     }
 }
 
+// Floors, and ceilings, meet under a partition with an open door, or a part that leaves a way, also where
+// others end on it, lower or as high.
+TEST(SheetBoards, partitions_may_stand_where_floors_of_two_rooms_meet) {
+    for (const auto& [low, high] : {std::pair(0.0, 2.5), std::pair(0.0, 2.3), std::pair(0.1, 2.5)})
+        for (const double other : {0.0, 2.2, high}) { // height of one that ends on it, if any
+            SCOPED_TRACE(fmt::format("threshold {}, {} high, another {}", low, high, other));
+            Drawing drawing(false);
+            drawing.turned = other;
+            drawing.room(0, 0, true);
+            const dvec3 x(1, 0, 0), y(0, 1, 0), z(0, 0, 1), o = 2.5 * z, p(2, 0, 2.5);
+            drawing.sheet({0, 0, 0}, 2.5 * z, 4.0 * x, "paint");
+            if (other > 0)
+                drawing.sheet(o, 2.5 * z, 2.0 * x, "paint"), drawing.sheet(p, 2.5 * z, 2.0 * x, "paint");
+            else
+                drawing.sheet(o, 2.5 * z, 4.0 * x, "paint");
+            const auto at = [&](double right, double up) { return o + right * x + up * y; };
+            if (low > 0) { // all round the hole
+                const std::vector<dvec3> wall{at(0, 0), at(4, 0), at(4, high), at(0, high)},
+                    hole{at(0.5, low), at(1.4, low), at(1.4, 2), at(0.5, 2)};
+                for (size_t k = 0; k < 4; ++k)
+                    drawing.face("wall", {wall[k], wall[(k + 1) % 4], hole[(k + 1) % 4], hole[k]});
+            } else
+                drawing.face("wall", {at(0, 0), at(0.5, 0), at(0.5, 2), at(1.4, 2), at(1.4, 0), at(4, 0),
+                                      at(4, high), at(0, high)});
+            if (other > 0) drawing.face("wall", {p, p + 2.0 * z, p + 2.0 * z + other * y, p + other * y});
+            const auto [size, area] = read(drawing);
+            EXPECT_NEAR(area.at("paint"), 20, 0.01);
+            EXPECT_NEAR(size, 50 - 1e-3 * (4 * high - 0.9 * (2 - low) + 2 * other), 2e-5);
+        }
+}
+
+// The body of one lacks its top there; two partitions stand farther from one another.
+TEST(SheetBoards, walls_that_lack_a_face_are_none_where_floors_and_walls_meet_under_them) {
+    for (const double thick : {0.2, 1.0}) {
+        Drawing drawing(false);
+        const dvec3 x(4, 0, 0), y(0, 2.5, 0), z(0, 0, 1);
+        drawing.deep = 2.5;
+        drawing.room(0, 4, true);
+        for (const auto& [from, deep] : {std::pair(2.5, thick), std::pair(2.5 + thick, 2.5 - thick)}) {
+            const auto sides = Drawing::sidesOf(from * z, {4, 2.5, deep});
+            for (size_t k = 0; k < (deep == thick ? 4 : 5); ++k)
+                drawing.sheet(sides[k][0], sides[k][1], sides[k][2]);
+            drawing.sheet(from * z, x, {0, 2.2, 0});
+        }
+        if (thick < 0.5)
+            EXPECT_THROW(drawing.read(), InputError);
+        else
+            EXPECT_NEAR(read(drawing).size, 50 - 2 * 8.8e-3, 2e-5);
+    }
+}
+
 // However near the window of which they hide half.
 TEST(SheetBoards, posters_half_over_a_window_hide_that_of_it) {
     for (const bool twoSided : {false, true})

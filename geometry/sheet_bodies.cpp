@@ -1,0 +1,103 @@
+#include "geometry/sheet_bodies.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <map>
+
+#include "geometry/box_tree.h"
+#include "geometry/disjoint_sets.h"
+#include "geometry/flat_faces.h"
+#include "geometry/shell_faces.h"
+#include "geometry/space_sheets.h"
+
+namespace heliodon::geometry {
+
+namespace {
+
+constexpr double kOpposite = 0.9; // least cosine between planes
+constexpr size_t kMostShared = 1; // edges with what is no sheet: more has the last face of a broken body
+
+// Of the faces those that have another one before or behind their middle.
+std::set<uint32_t> opposed(const std::vector<FlatFace>& faces, double within, double tolerance) {
+    const std::vector<Bounds> boxes = boxesOf(faces, tolerance);
+    const BoxTree tree(boxes);
+    std::set<uint32_t> out;
+    for (const FlatFace& face : faces)
+        for (const double side : {1.0, -1.0}) {
+            const glm::dvec3 way = side * face.normal,
+                             from = largestTriangle(face).middle() + 2 * tolerance * way;
+            if (tree.anyAlong(from, way, within, [&](uint32_t i) {
+                    return std::abs(glm::dot(faces[i].normal, way)) > kOpposite &&
+                           std::ranges::any_of(faces[i].triangles, [&](const ShellTriangle& t) {
+                               const auto at = distanceTo(t, from, way);
+                               return at && *at <= within;
+                           });
+                }))
+                out.insert(face.face);
+        }
+    return out;
+}
+
+} // namespace
+
+bool areOfBody(const std::vector<SoupFace>& drawn, const std::set<uint32_t>& sheets, double thickest,
+               double tolerance) {
+    const Building welded = weldedByNumber(drawn, tolerance);
+    const auto isSheet = [&](uint32_t f) { return sheets.contains(drawn[welded.faces[f].surface].surface); };
+    std::vector<FlatFace> flat = flatFacesOf(welded);
+    std::erase_if(flat, [&](const FlatFace& face) { return !isSheet(face.face) || face.triangles.empty(); });
+    const std::set<uint32_t> sides = opposed(flat, thickest, tolerance);
+    std::map<uint32_t, size_t> shared;
+    for (const auto& [edge, around] : facesOfEdges(welded)) {
+        const auto others = std::ranges::count_if(around, std::not_fn(isSheet));
+        if (others == 0) continue;
+        for (const uint32_t f : around)
+            if (isSheet(f) && (others == 1 || sides.contains(f)) && ++shared[f] > kMostShared) return true;
+    }
+    return false;
+}
+
+std::set<uint32_t> bottomsOf(const std::set<uint32_t>& sheets, const std::vector<SoupFace>& faces,
+                             const std::function<bool(uint32_t)>& isGlass, double tolerance) {
+    std::vector<bool> mayBe;
+    for (uint32_t k = 0; k < faces.size(); ++k)
+        mayBe.push_back(!sheets.contains(k) && !isGlass(faces[k].material));
+    const std::vector<Sheet> pieces = cutIntoSheets(faces, tolerance);
+    const auto leaveOut = [&](const auto& which) { // pieces of which no other face is
+        for (const Sheet& piece : pieces) {
+            std::vector<uint32_t> all = piece.drawn[0];
+            all.insert(all.end(), piece.drawn[1].begin(), piece.drawn[1].end());
+            if (which(all))
+                for (const uint32_t k : all) mayBe[k] = false;
+        }
+    };
+    leaveOut([](const auto& all) { return all.size() == 1; });
+    leaveOut([&](const auto& all) { return std::ranges::all_of(all, [&](uint32_t k) { return mayBe[k]; }); });
+    const Building welded = weldedByNumber(faces, tolerance);
+    DisjointSets sets(faces.size()); // a bottom may be drawn as several
+    std::set<uint32_t> open, sharing;
+    for (const auto& [edge, around] : facesOfEdges(welded)) {
+        std::vector<uint32_t> bottoms;
+        bool isOfSheet = false;
+        for (const uint32_t f : around) {
+            const uint32_t k = welded.faces[f].surface;
+            if (mayBe[k]) bottoms.push_back(k);
+            isOfSheet |= sheets.contains(k);
+        }
+        for (const uint32_t k : bottoms) sets.join(k, bottoms[0]);
+        const auto isSame = [&](uint32_t k) { // drawn for its other side
+            return sortedCorners(faces[k]) == sortedCorners(faces[bottoms[0]]);
+        };
+        if (isOfSheet || std::ranges::all_of(bottoms, isSame))
+            (isOfSheet ? sharing : open).insert(bottoms.begin(), bottoms.end());
+    }
+    std::set<uint32_t> held, out;
+    for (const uint32_t k : sharing) held.insert(sets.root(k));
+    for (const uint32_t k : open) held.erase(sets.root(k));
+    for (uint32_t k = 0; k < faces.size(); ++k)
+        if (mayBe[k] && held.contains(sets.root(k))) out.insert(k);
+    return out;
+}
+
+} // namespace heliodon::geometry
