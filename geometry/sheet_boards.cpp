@@ -400,14 +400,10 @@ bool liesIn(const SheetRooms& rooms, const FlatFace& piece, double tolerance) {
     });
 }
 
-// None where they are of a broken body, or BoardMaker makes none.
+// None where BoardMaker makes none.
 std::optional<SheetBoards> boardsOf(const std::set<uint32_t>& inRooms, const std::vector<SoupFace>& faces,
-                                    const std::vector<SoupFace>& drawn,
                                     const std::function<bool(uint32_t)>& isGlass, double thickness,
                                     double near, double tolerance) {
-    std::set<uint32_t> surfaces;
-    for (const uint32_t k : inRooms) surfaces.insert(faces[k].surface);
-    if (areOfBody(drawn, surfaces, kThickest * near, tolerance)) return std::nullopt;
     SheetBoards out{
         .faces = {}, .first = 0, .sheets = inRooms.size(), .surface = faces[*inRooms.begin()].surface};
     std::vector<SoupFace> sheets, walls;
@@ -435,8 +431,9 @@ std::vector<SheetBoards> sheetsAsBoards(const std::vector<SoupFace>& faces,
                                         const std::vector<SoupFace>& drawn,
                                         const std::function<bool(uint32_t)>& isGlass, double thickness,
                                         double near, double tolerance) {
-    std::set<uint32_t> inRooms;
-    std::vector<SoupFace> left = numbered(faces);
+    std::set<uint32_t> inRooms, openPieces;
+    std::vector<SoupFace> pieces, left = numbered(faces);
+    ptrdiff_t closed = 0; // of the pieces, before the others
     // Again for those that lie on others: of a piece that is drawn twice only one is told.
     for (bool changed = true; changed;) {
         changed = false;
@@ -444,24 +441,40 @@ std::vector<SheetBoards> sheetsAsBoards(const std::vector<SoupFace>& faces,
             left, [](uint32_t) { return false; }, tolerance);
         if (!parts) break;
         const SheetRooms rooms(parts->closed, isGlass, tolerance);
+        const bool isFirst = pieces.empty();
+        if (isFirst) pieces = parts->closed, closed = std::ssize(pieces);
         for (const FlatFace& piece : flatFacesOf(weldedByNumber(parts->open, tolerance))) {
             const SoupFace& open = parts->open[piece.surface];
-            if (!isGlass(open.material) && !piece.triangles.empty() && liesIn(rooms, piece, tolerance))
-                changed |= inRooms.insert(open.surface).second;
+            if (isGlass(open.material) || piece.triangles.empty() || !liesIn(rooms, piece, tolerance))
+                continue;
+            changed |= inRooms.insert(open.surface).second;
+            if (isFirst) openPieces.insert(static_cast<uint32_t>(closed) + piece.surface);
         }
+        if (isFirst) pieces.insert(pieces.end(), parts->open.begin(), parts->open.end());
         std::erase_if(left, [&](const SoupFace& face) { return inRooms.contains(face.surface); });
     }
     std::vector<SheetBoards> out;
-    const auto tryOf = [&](const std::set<uint32_t>& sheets) {
-        if (auto boards = boardsOf(sheets, faces, drawn, isGlass, thickness, near, tolerance))
+    const auto tryOf = [&](const std::set<uint32_t>& sheets, const std::vector<SoupFace>& all) {
+        if (auto boards = boardsOf(sheets, all, isGlass, thickness, near, tolerance))
             out.push_back(std::move(*boards));
     };
+    const auto isOfBody = [&](const std::set<uint32_t>& sheets) {
+        std::set<uint32_t> surfaces;
+        for (const uint32_t k : sheets) surfaces.insert(faces[k].surface);
+        return areOfBody(drawn, surfaces, kThickest * near, tolerance);
+    };
     if (inRooms.empty()) return out;
-    tryOf(inRooms);
-    std::set<uint32_t> bottoms = bottomsOf(inRooms, faces, isGlass, tolerance);
-    if (bottoms.empty()) return out;
-    inRooms.merge(bottoms);
-    tryOf(inRooms);
+    if (!isOfBody(inRooms)) tryOf(inRooms, faces);
+    if (std::set<uint32_t> bottoms = bottomsOf(inRooms, faces, isGlass, tolerance); !bottoms.empty()) {
+        bottoms.insert(inRooms.begin(), inRooms.end());
+        if (!isOfBody(bottoms)) tryOf(bottoms, faces);
+    }
+    const bool closeInPart = std::any_of(pieces.begin(), pieces.begin() + closed, [&](const SoupFace& piece) {
+        return inRooms.contains(piece.surface);
+    });
+    if (!closeInPart || areOfBody(numbered(pieces), openPieces, kThickest * near, tolerance)) return out;
+    for (SoupFace& piece : pieces) piece.surface = faces[piece.surface].surface;
+    tryOf(openPieces, pieces);
     return out;
 }
 

@@ -25,8 +25,10 @@ struct SheetBoards {
 // quarter of `near` (it was to reach it), or has two edges or more with other faces as they were `drawn`
 // (what is left of a body that lacks one), but those where others meet without it, unless another such sheet
 // is parallel and 25 times `near` away at most. Where some stand on faces that lie on others and have edges
-// with such sheets alone, as the bottom of a box without a lid, once more with these. Corners are one within
-// `tolerance` (metres). Cost: that of openSheets().
+// with such sheets alone, as the bottom of a box without a lid, once more with these; where faces close a
+// room with a part of them, as a wall with an open door that stands on above the ceiling of a lower room,
+// once more with what hangs open alone. Corners are one within `tolerance` (metres). Cost: that of
+// openSheets().
 std::vector<SheetBoards> sheetsAsBoards(const std::vector<SoupFace>& faces,
                                         const std::vector<SoupFace>& drawn,
                                         const std::function<bool(uint32_t)>& isGlass, double thickness,

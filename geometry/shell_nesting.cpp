@@ -5,6 +5,8 @@
 
 #include <glm/geometric.hpp>
 
+#include "geometry/triangle_box.h"
+
 namespace heliodon::geometry {
 
 namespace {
@@ -24,6 +26,20 @@ bool isOutside(uint32_t s, const std::vector<std::vector<uint32_t>>& around,
     if (volumes[s] > 0 && outwards) return false; // a room with solids, however large, drawn as they are
     const double share = filled / std::abs(volumes[s]);
     return share > kMostlyFilled || (share > kFilled && inwards && volumes[s] < 0);
+}
+
+// Of a shell that does not cross the other: where they touch, what lies on both says nothing.
+bool isWithin(const std::vector<ShellTriangle>& shell, const std::vector<ShellTriangle>& other) {
+    constexpr double kNear = 1e-5; // of a triangle's size
+    constexpr size_t kTries = 50;
+    const auto liesOn = [&](glm::dvec3 p) {
+        return std::ranges::any_of(other, [&](const ShellTriangle& t) {
+            return distance(t, p) <= kNear * (glm::length(t.b - t.a) + glm::length(t.c - t.a));
+        });
+    };
+    glm::dvec3 p = shell.back().a;
+    for (size_t k = 0; k < std::min(kTries, shell.size()) && liesOn(p); ++k) p = shell[k].middle();
+    return crossings(other, p) % 2 == 1;
 }
 
 std::vector<bool> bodiesOutside(const std::vector<std::vector<uint32_t>>& around,
@@ -63,8 +79,7 @@ ShellNesting nestShells(const std::vector<std::vector<ShellTriangle>>& shells,
     std::vector<std::vector<uint32_t>> around(count);
     for (uint32_t s = 0; s < count; ++s)
         for (uint32_t o = 0; o < count; ++o)
-            if (s != o && !shells[s].empty() && crossings(shells[o], shells[s].back().a) % 2 == 1)
-                around[s].push_back(o);
+            if (s != o && !shells[s].empty() && isWithin(shells[s], shells[o])) around[s].push_back(o);
     std::vector<double> volumes;
     for (const auto& shell : shells) volumes.push_back(volumeWithin(shell));
     out.room.assign(count, 0);

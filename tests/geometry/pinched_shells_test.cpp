@@ -156,4 +156,21 @@ TEST(PinchedShells, an_edge_in_the_air_at_a_wall_of_triangles) {
     EXPECT_NEAR(volume(meshBuilding(building, {300})), 6 * 2.7 * 4 + 0.28 - 0.45, 0.1);
 }
 
+// Neither wall covers the other, and a corner of each lies on the other room.
+TEST(PinchedShells, rooms_side_by_side_of_other_height_and_depth_are_none_within_the_other) {
+    Drawing drawing(false);
+    const auto low = Drawing::sidesOf({0, 0, 0}, {3, 2.5, 4}),
+               high = Drawing::sidesOf({3, 0, 0}, {4, 3.2, 2.5});
+    const auto draw = [&](const std::array<dvec3, 3>& side, const char* material = "wall") {
+        drawing.sheet(side[0], side[1], side[2], material);
+    };
+    for (const size_t k : {0u, 1u, 2u, 4u}) draw(low[k]);
+    for (const size_t k : {0u, 1u, 3u, 4u}) draw(high[k]);
+    draw(low[5], "glass"), draw(high[5], "glass"), draw(low[3]);
+    drawing.sheet(high[2][0], high[2][2], high[2][1]); // turned over
+    const Building building = drawing.read();
+    EXPECT_EQ(building.roomCount, 2u);
+    EXPECT_NEAR(volume(meshBuilding(building, {300})), 30 + 32, 1e-4);
+}
+
 } // namespace heliodon::geometry

@@ -202,6 +202,33 @@ TEST(SheetBoards, partitions_may_stand_where_floors_of_two_rooms_meet) {
         }
 }
 
+// Drawn once, for each room, or apart from what stands on above the ceiling of the lower one.
+TEST(SheetBoards, walls_between_rooms_of_different_heights_may_have_open_doors) {
+    for (const int how : {0, 1, 2})
+        for (const double turned : {0.0, 0.4}) {
+            SCOPED_TRACE(fmt::format("{}, turned by {}", how, turned));
+            Drawing drawing(false);
+            drawing.turned = turned;
+            drawing.room(0, 3, true);
+            const auto sides = Drawing::sidesOf({4, 0, 0}, {3, 3.2, 5});
+            for (const size_t k : {0u, 1u, 3u, 4u, 5u}) drawing.sheet(sides[k][0], sides[k][1], sides[k][2]);
+            const auto wall = [&](double height) {
+                drawing.face("wall", {{4, 0, 0},
+                                      {4, 0, 1},
+                                      {4, 2, 1},
+                                      {4, 2, 1.9},
+                                      {4, 0, 1.9},
+                                      {4, 0, 5},
+                                      {4, height, 5},
+                                      {4, height, 0}});
+            };
+            wall(how == 2 ? 2.5 : 3.2);
+            if (how == 1) wall(2.5);
+            if (how == 2) drawing.sheet({4, 2.5, 0}, {0, 0, 5}, {0, 0.7, 0});
+            EXPECT_NEAR(read(drawing).size, 50 + 48, 0.02);
+        }
+}
+
 // The body of one lacks its top there; two partitions stand farther from one another.
 TEST(SheetBoards, walls_that_lack_a_face_are_none_where_floors_and_walls_meet_under_them) {
     for (const double thick : {0.2, 1.0}) {
