@@ -8,6 +8,7 @@
 #include "geometry/box_tree.h"
 #include "geometry/disjoint_sets.h"
 #include "geometry/flat_faces.h"
+#include "geometry/outline_area.h"
 #include "geometry/shell_faces.h"
 #include "geometry/space_sheets.h"
 
@@ -48,12 +49,30 @@ bool areOfBody(const std::vector<SoupFace>& drawn, const std::set<uint32_t>& she
     std::vector<FlatFace> flat = flatFacesOf(welded);
     std::erase_if(flat, [&](const FlatFace& face) { return !isSheet(face.face) || face.triangles.empty(); });
     const std::set<uint32_t> sides = opposed(flat, thickest, tolerance);
+    struct Beside {
+        uint32_t face;
+        glm::dvec3 inwards; // along it, away from the edge
+    };
+    std::map<Edge, std::vector<Beside>> edges;
+    for (uint32_t f = 0; f < welded.faces.size(); ++f)
+        for (const auto& loop : welded.faces[f].loops)
+            for (size_t k = 0; k < loop.size(); ++k) {
+                const uint32_t a = loop[k], b = loop[(k + 1) % loop.size()];
+                const glm::dvec3 n = areaVector(welded.vertices, welded.faces[f].loops[0]);
+                edges[std::minmax(a, b)].push_back(
+                    {f, glm::normalize(glm::cross(n, welded.vertices[b] - welded.vertices[a]))});
+            }
     std::map<uint32_t, size_t> shared;
-    for (const auto& [edge, around] : facesOfEdges(welded)) {
-        const auto others = std::ranges::count_if(around, std::not_fn(isSheet));
-        if (others == 0) continue;
-        for (const uint32_t f : around)
-            if (isSheet(f) && (others == 1 || sides.contains(f)) && ++shared[f] > kMostShared) return true;
+    for (const auto& [edge, around] : edges) {
+        if (std::ranges::all_of(around, isSheet, &Beside::face)) continue;
+        for (const Beside& sheet : around) {
+            const auto others = std::ranges::count_if(around, [&](const Beside& one) { // but what lies on it
+                return !isSheet(one.face) && glm::dot(one.inwards, sheet.inwards) < kOnePlaneCosine;
+            });
+            if (isSheet(sheet.face) && (others < 2 || sides.contains(sheet.face)) &&
+                ++shared[sheet.face] > kMostShared)
+                return true;
+        }
     }
     return false;
 }

@@ -12,8 +12,8 @@ namespace heliodon::geometry {
 
 // Whether some of the `sheets` (SoupFace::surface) are what is left of a body that lacks a face: one has two
 // edges or more with other faces. A partition may stand where floors or walls of two rooms meet: edges where
-// others hang together without it count for sheets alone that have another one opposite, at most `thickest`
-// (metres) away. Corners are one within `tolerance` (metres). Cost: n log n for n faces.
+// two others or more meet that do not lie on it count for sheets alone that have another one opposite, at
+// most `thickest` (metres) away. Corners are one within `tolerance` (metres). Cost: n log n for n faces.
 bool areOfBody(const std::vector<SoupFace>& drawn, const std::set<uint32_t>& sheets, double thickest,
                double tolerance);
 

@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "geometry/input_error.h"
+#include "geometry/sheet_bodies.h"
 #include "tests/geometry/sheet_drawing.h"
 
 namespace heliodon::geometry {
@@ -200,6 +201,18 @@ TEST(SheetBoards, partitions_may_stand_where_floors_of_two_rooms_meet) {
             EXPECT_NEAR(area.at("paint"), 20, 0.01);
             EXPECT_NEAR(size, 50 - 1e-3 * (4 * high - 0.9 * (2 - low) + 2 * other), 2e-5);
         }
+}
+
+// That a body is closed without it, by the one that it lies on, says nothing.
+TEST(SheetBoards, faces_of_bodies_drawn_twice_are_none) {
+    std::vector<SoupFace> faces;
+    for (const auto& [at, u, v] : Drawing::sidesOf({0, 0, 0}, {1, 1, 1})) {
+        faces.emplace_back().loops = {{at, at + u, at + u + v, at + v}};
+        faces.back().surface = static_cast<uint32_t>(faces.size());
+    }
+    faces.push_back(faces[3]);
+    faces.back().surface = 0;
+    EXPECT_TRUE(areOfBody(faces, {0}, 0.5, 1e-6));
 }
 
 // Drawn once, for each room, or apart from what stands on above the ceiling of the lower one.
