@@ -36,15 +36,22 @@ std::vector<SoupFace> drawnOnce(const std::vector<SoupFace>& faces, double toler
         if (piece.drawn[0].size() + piece.drawn[1].size() > 1)
             for (const auto& drawn : piece.drawn)
                 for (const uint32_t k : drawn) isCut[k] = true;
+    std::vector<double> area;
+    for (const SoupFace& face : once) area.push_back(glm::length(areaVector(face.loops[0])));
     std::vector<SoupFace> out;
     for (uint32_t k = 0; k < once.size(); ++k)
         if (!isCut[k]) out.push_back(once[k]);
     for (const Sheet& piece : pieces) {
         const size_t turned = piece.drawn[0].empty() ? 1 : 0;
-        const uint32_t first = piece.drawn[turned][0];
-        if (!isCut[first]) continue;
-        out.push_back(pieceOf(once[first], piece, turned));
-        if (!piece.drawn[1 - turned].empty()) out.back().behind = once[piece.drawn[1 - turned][0]].material;
+        const auto bySize = [&](uint32_t k) { return area[k]; };
+        const auto &drawn = piece.drawn[turned], &others = piece.drawn[1 - turned];
+        const uint32_t least = *std::ranges::min_element(drawn, {}, bySize);
+        if (!isCut[least]) continue;
+        out.push_back(pieceOf(once[least], piece, turned));
+        if (!others.empty())
+            out.back().behind = once[*std::ranges::min_element(others, {}, bySize)].material;
+        else if (drawn.size() > 1)
+            out.back().behind = once[*std::ranges::max_element(drawn, {}, bySize)].material;
     }
     return out;
 }

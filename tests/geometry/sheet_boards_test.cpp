@@ -278,6 +278,21 @@ TEST(SheetBoards, posters_half_over_a_window_hide_that_of_it) {
         }
 }
 
+// Before it by less than faces are told apart by; on its other side the partition is as it was.
+TEST(SheetBoards, posters_on_a_partition_are_seen) {
+    for (const double gap : {0.0, 1e-5})
+        for (const bool over : {false, true}) {
+            Drawing drawing(false);
+            drawing.room(0, -1, true);
+            partition(drawing);
+            const double z = 2.5 + gap;
+            std::vector<dvec3> poster{{1.5, 1, z}, {1.9, 1, z}, {1.9, 1.6, z}, {1.5, 1.6, z}};
+            if (over) std::ranges::reverse(poster);
+            drawing.face("paint", poster);
+            EXPECT_NEAR(read(drawing).area.at("paint"), 0.24, 1e-4) << gap;
+        }
+}
+
 // By a tenth of a millimetre and more, and with an edge on the glass.
 TEST(SheetBoards, leaning_posters_half_over_a_window_hide_that_of_it) {
     for (const auto& [low, high] : {std::pair(0.0, 3e-4), std::pair(1e-4, 4e-4), std::pair(5e-5, 2.5e-4)}) {
