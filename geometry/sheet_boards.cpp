@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <map>
+#include <optional>
 #include <set>
 #include <utility>
 
@@ -97,16 +99,17 @@ private:
 
 class BoardMaker {
 public:
-    // `all`: the walls and the glass.
-    BoardMaker(const std::vector<SoupFace>& sheets, const Walls& walls, const Walls& all, double thickness,
-               double near, double tolerance)
-        : sheets_(sheets), walls_(walls), all_(all), thickness_(thickness), near_(near),
+    // `all`: the walls and the glass. `isInRoom`: of a point, whether these enclose it.
+    BoardMaker(const std::vector<SoupFace>& sheets, const Walls& walls, const Walls& all,
+               const std::function<bool(dvec3)>& isInRoom, double thickness, double near, double tolerance)
+        : sheets_(sheets), walls_(walls), all_(all), isInRoom_(isInRoom), thickness_(thickness), near_(near),
           tolerance_(tolerance), welded_(weldedByNumber(sheets, tolerance)) {}
 
-    // False where a sheet has one side alone, or ends a hair before a wall.
-    bool make(std::vector<SoupFace>& out) {
+    // `apart`: sheets where a third one ends on them, all along that line. False where a sheet has one side
+    // alone, or ends a hair before a wall, or nothing is `apart` that would not be.
+    bool make(std::vector<SoupFace>& out, bool apart) {
         const auto edges = facesOfEdges(welded_);
-        findJoints(edges);
+        if (!findJoints(edges, apart)) return false;
         DisjointSets sets(welded_.faces.size());
         for (const Edge& joint : joints_) sets.join(edges.at(joint)[0], edges.at(joint)[1]);
         std::map<uint32_t, std::vector<uint32_t>> wholes;
@@ -118,9 +121,8 @@ public:
 private:
     using Corner = std::pair<uint32_t, uint32_t>; // vertex, face
 
-    // Edges over which two sheets are one board. Where a third ends on them they are not, all along that
-    // line.
-    void findJoints(const std::map<Edge, std::vector<uint32_t>>& edges) {
+    // Edges over which two sheets are one board. False where none is apart that would not be.
+    bool findJoints(const std::map<Edge, std::vector<uint32_t>>& edges, bool apart) {
         std::vector<Edge> next;
         std::map<uint32_t, std::vector<Edge>> joints; // per vertex
         for (const auto& [edge, around] : edges) {
@@ -132,14 +134,16 @@ private:
         const auto way = [&](const Edge& edge) {
             return glm::normalize(welded_.vertices[edge.second] - welded_.vertices[edge.first]);
         };
-        while (!next.empty()) {
+        bool any = !apart;
+        while (apart && !next.empty()) {
             const Edge edge = next.back();
             next.pop_back();
             for (const uint32_t v : {edge.first, edge.second})
                 for (const Edge& other : joints[v])
                     if (std::abs(glm::dot(way(edge), way(other))) > kOnePlaneCosine && joints_.erase(other))
-                        next.push_back(other);
+                        next.push_back(other), any = true;
         }
+        return any;
     }
 
     bool makeOne(const std::vector<uint32_t>& members, const std::map<Edge, std::vector<uint32_t>>& edges,
@@ -296,13 +300,31 @@ private:
                                 [&](uint32_t f) { return glm::dot(normalOf(f), n) < kOnePlaneCosine; }))
             return {half, half};
         for (const double side : {1.0, -1.0})
-            if (const Gap gap = gapTo(walls_, members, side * n, near_); gap.all) return reach(gap, side);
+            if (const Gap gap = gapTo(walls_, members, side * n, near_); gap.all) {
+                if (!leans(gap) || !isRoomBehind(members, side * n, gap.most)) return reach(gap, side);
+                return side > 0 ? std::pair(0.0, thickness_) : std::pair(thickness_, 0.0);
+            }
         // Half over a window, and nearer than a board reaches; one that leans is cut off by the wall.
         for (const double side : {1.0, -1.0})
             if (const Gap gap = gapTo(all_, members, side * n, half - tolerance_);
                 gap.all && !leans(gap) && gapTo(walls_, members, side * n, half - tolerance_).any)
                 return reach(gap, side);
         return {half, half};
+    }
+
+    // Of a wall without thickness: a board that leans would reach into that room.
+    bool isRoomBehind(const std::vector<uint32_t>& members, dvec3 way, double gap) const {
+        return std::ranges::any_of(members, [&](uint32_t f) {
+            const dvec3 p = middleOf(f) + (gap + thickness_) * way;
+            return walls_.nearest(p, way, kThickest * near_) > kThickest * near_ && isInRoom_(p);
+        });
+    }
+
+    dvec3 middleOf(uint32_t f) const {
+        dvec3 middle(0);
+        const auto& loop = welded_.faces[f].loops[0];
+        for (const uint32_t v : loop) middle += welded_.vertices[v] / double(loop.size());
+        return middle;
     }
 
     struct Gap {
@@ -313,10 +335,8 @@ private:
     Gap gapTo(const Walls& walls, const std::vector<uint32_t>& members, dvec3 way, double within) const {
         Gap gap{.least = within};
         for (const uint32_t f : members) {
-            dvec3 middle(0);
-            const auto& loop = welded_.faces[f].loops[0];
-            for (const uint32_t v : loop) middle += welded_.vertices[v] / double(loop.size());
-            for (const uint32_t v : loop) { // not along the border of the wall
+            const dvec3 middle = middleOf(f);
+            for (const uint32_t v : welded_.faces[f].loops[0]) { // not along the border of the wall
                 const dvec3 p = glm::mix(welded_.vertices[v], middle, 1e-3);
                 const double far = walls.nearest(p, way, within, kParallel);
                 gap.all &= far <= within, gap.any |= far <= within;
@@ -383,6 +403,7 @@ private:
 
     const std::vector<SoupFace>& sheets_;
     const Walls &walls_, &all_;
+    const std::function<bool(dvec3)>& isInRoom_;
     double thickness_, near_, tolerance_;
     Building welded_;
     std::map<uint32_t, bool> over_; // per face of one whole
@@ -403,7 +424,7 @@ bool liesIn(const SheetRooms& rooms, const FlatFace& piece, double tolerance) {
 // None where BoardMaker makes none.
 std::optional<SheetBoards> boardsOf(const std::set<uint32_t>& inRooms, const std::vector<SoupFace>& faces,
                                     const std::function<bool(uint32_t)>& isGlass, double thickness,
-                                    double near, double tolerance) {
+                                    double near, double tolerance, bool apart) {
     SheetBoards out{
         .faces = {}, .first = 0, .sheets = inRooms.size(), .surface = faces[*inRooms.begin()].surface};
     std::vector<SoupFace> sheets, walls;
@@ -420,7 +441,14 @@ std::optional<SheetBoards> boardsOf(const std::set<uint32_t>& inRooms, const std
     };
     out.first = out.faces.size();
     const Walls ofWalls = wallsOf(walls), ofAll = wallsOf(out.faces);
-    if (!BoardMaker(drawnOnce(sheets, tolerance), ofWalls, ofAll, thickness, near, tolerance).make(out.faces))
+    std::optional<SheetRooms> rooms; // few need them
+    const std::vector<SoupFace> rest = out.faces;
+    const std::function<bool(dvec3)> isInRoom = [&](dvec3 p) {
+        if (!rooms) rooms.emplace(rest, isGlass, tolerance);
+        return rooms->enclose(p);
+    };
+    if (!BoardMaker(drawnOnce(sheets, tolerance), ofWalls, ofAll, isInRoom, thickness, near, tolerance)
+             .make(out.faces, apart))
         return std::nullopt;
     return out;
 }
@@ -454,27 +482,28 @@ std::vector<SheetBoards> sheetsAsBoards(const std::vector<SoupFace>& faces,
         std::erase_if(left, [&](const SoupFace& face) { return inRooms.contains(face.surface); });
     }
     std::vector<SheetBoards> out;
-    const auto tryOf = [&](const std::set<uint32_t>& sheets, const std::vector<SoupFace>& all) {
-        if (auto boards = boardsOf(sheets, all, isGlass, thickness, near, tolerance))
-            out.push_back(std::move(*boards));
-    };
+    if (inRooms.empty()) return out;
     const auto isOfBody = [&](const std::set<uint32_t>& sheets) {
         std::set<uint32_t> surfaces;
         for (const uint32_t k : sheets) surfaces.insert(faces[k].surface);
         return areOfBody(drawn, surfaces, kThickest * near, tolerance);
     };
-    if (inRooms.empty()) return out;
-    if (!isOfBody(inRooms)) tryOf(inRooms, faces);
+    std::vector<std::pair<std::set<uint32_t>, const std::vector<SoupFace>*>> ways;
+    if (!isOfBody(inRooms)) ways.emplace_back(inRooms, &faces);
     if (std::set<uint32_t> bottoms = bottomsOf(inRooms, faces, isGlass, tolerance); !bottoms.empty()) {
         bottoms.insert(inRooms.begin(), inRooms.end());
-        if (!isOfBody(bottoms)) tryOf(bottoms, faces);
+        if (!isOfBody(bottoms)) ways.emplace_back(std::move(bottoms), &faces);
     }
     const bool closeInPart = std::any_of(pieces.begin(), pieces.begin() + closed, [&](const SoupFace& piece) {
         return inRooms.contains(piece.surface);
     });
-    if (!closeInPart || areOfBody(numbered(pieces), openPieces, kThickest * near, tolerance)) return out;
+    if (closeInPart && !areOfBody(numbered(pieces), openPieces, kThickest * near, tolerance))
+        ways.emplace_back(std::move(openPieces), &pieces);
     for (SoupFace& piece : pieces) piece.surface = faces[piece.surface].surface;
-    tryOf(openPieces, pieces);
+    for (const bool apart : {false, true})
+        for (const auto& [sheets, all] : ways)
+            if (auto boards = boardsOf(sheets, *all, isGlass, thickness, near, tolerance, apart))
+                out.push_back(std::move(*boards));
     return out;
 }
 

@@ -134,6 +134,21 @@ TEST(SheetBoards, posters_and_rugs_lie_on_what_is_behind) {
     EXPECT_NEAR(area.at("wall"), 85 - 2.4 - 0.48 - 3, 1e-3);
 }
 
+// Of a wall without thickness, nearly parallel to it: air is left behind them.
+TEST(SheetBoards, pictures_that_lean_on_a_wall_do_not_reach_into_the_next_room) {
+    for (const auto& [low, high] :
+         {std::pair(0.005, 0.018), std::pair(0.019, 0.002), std::pair(0.0, 0.015)}) {
+        Drawing drawing(false);
+        drawing.room(0, -1, true);
+        const auto sides = Drawing::sidesOf({4, 0, 0}, {4, 2.5, 5});
+        for (const size_t k : {0u, 1u, 3u, 4u, 5u}) drawing.sheet(sides[k][0], sides[k][1], sides[k][2]);
+        drawing.face("paint", {{4 - low, 1, 1}, {4 - low, 1, 3}, {4 - high, 2, 3}, {4 - high, 2, 1}});
+        const Building building = drawing.read();
+        EXPECT_EQ(building.roomCount, 2u);
+        EXPECT_NEAR(volume(meshBuilding(building, {300})), 100 - 2e-3, 1e-4) << low;
+    }
+}
+
 // Across the diagonal of a wall in two triangles: a sheet, and a body less before it than faces are told
 // apart by.
 TEST(SheetBoards, nothing_is_left_behind_what_lies_on_walls_of_triangles) {
