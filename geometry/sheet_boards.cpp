@@ -13,8 +13,6 @@
 #include <glm/mat3x3.hpp>
 #include <glm/matrix.hpp>
 
-#include "geometry/bounds.h"
-#include "geometry/box_tree.h"
 #include "geometry/disjoint_sets.h"
 #include "geometry/drawn_once.h"
 #include "geometry/flat_faces.h"
@@ -24,6 +22,7 @@
 #include "geometry/ray_triangle.h"
 #include "geometry/sheet_bodies.h"
 #include "geometry/sheet_rooms.h"
+#include "geometry/sheet_walls.h"
 #include "geometry/shell_faces.h"
 #include "geometry/space_sheets.h"
 
@@ -50,57 +49,10 @@ std::vector<SoupFace> numbered(std::vector<SoupFace> faces) {
     return faces;
 }
 
-// What sheets stand on and lie before, by where it is.
-class Walls {
-public:
-    Walls(std::vector<FlatFace> faces, double tolerance)
-        : faces_(std::move(faces)), boxes_(boxesOf(faces_, tolerance)), tree_(boxes_), tolerance_(tolerance) {
-    }
-    Walls(const Walls&) = delete;
-    Walls& operator=(const Walls&) = delete;
-
-    // Infinite where none within `reach` is met; of those whose normals have this cosine to `way`, or more.
-    double nearest(dvec3 from, dvec3 way, double reach, double cosine = 0) const {
-        double least = std::numeric_limits<double>::infinity();
-        tree_.anyAlong(from, way, reach, [&](uint32_t i) {
-            if (std::abs(glm::dot(faces_[i].normal, way)) < cosine) return false;
-            for (const ShellTriangle& t : faces_[i].triangles)
-                if (const auto at = distanceTo(t, from, way); at && *at <= reach)
-                    least = std::min(least, *at);
-            return false; // look at all
-        });
-        return least;
-    }
-
-    // Of the faces in whose planes both ends lie, and that have one of three points between them.
-    std::vector<dvec3> normalsAlong(dvec3 from, dvec3 to) const {
-        std::vector<dvec3> out;
-        for (const double part : {1e-3, 0.5, 1 - 1e-3}) {
-            const dvec3 p = glm::mix(from, to, part);
-            tree_.anyHolding(p, p, [&](uint32_t i) {
-                const FlatFace& face = faces_[i];
-                if (std::abs(face.height(from)) <= tolerance_ && std::abs(face.height(to)) <= tolerance_ &&
-                    std::ranges::any_of(face.triangles, [&](const ShellTriangle& t) {
-                        return distanceTo(t, p + 2 * tolerance_ * face.normal, -face.normal).has_value();
-                    }))
-                    out.push_back(face.normal);
-                return false; // look at all
-            });
-        }
-        return out;
-    }
-
-private:
-    std::vector<FlatFace> faces_;
-    std::vector<Bounds> boxes_;
-    BoxTree tree_; // of these
-    double tolerance_;
-};
-
 class BoardMaker {
 public:
     // `all`: the walls and the glass. `isInRoom`: of a point, whether these enclose it.
-    BoardMaker(const std::vector<SoupFace>& sheets, const Walls& walls, const Walls& all,
+    BoardMaker(const std::vector<SoupFace>& sheets, const SheetWalls& walls, const SheetWalls& all,
                const std::function<bool(dvec3)>& isInRoom, double thickness, double near, double tolerance)
         : sheets_(sheets), walls_(walls), all_(all), isInRoom_(isInRoom), thickness_(thickness), near_(near),
           tolerance_(tolerance), welded_(weldedByNumber(sheets, tolerance)) {}
@@ -293,7 +245,8 @@ private:
     }
 
     // How far it reaches before the sheet and behind it.
-    std::pair<double, double> depths(const std::vector<uint32_t>& members) const {
+    std::pair<double, double> depths(const std::vector<uint32_t>& members) {
+        onWall_.reset();
         const dvec3 n = normalOf(members[0]);
         const double half = 0.5 * thickness_;
         if (std::ranges::any_of(members,
@@ -301,8 +254,10 @@ private:
             return {half, half};
         for (const double side : {1.0, -1.0})
             if (const Gap gap = gapTo(walls_, members, side * n, near_); gap.all) {
-                if (!leans(gap) || !isRoomBehind(members, side * n, gap.most)) return reach(gap, side);
-                return side > 0 ? std::pair(0.0, thickness_) : std::pair(thickness_, 0.0);
+                if (!isRoomBehind(members, side * n, gap.most)) return reach(gap, side);
+                if (leans(gap)) return side > 0 ? std::pair(0.0, thickness_) : std::pair(thickness_, 0.0);
+                onWall_ = {side * gap.most, walls_.materialAt(middleOf(members[0]), side * n, gap.most)};
+                return reach(gap, side);
             }
         // Half over a window, and nearer than a board reaches; one that leans is cut off by the wall.
         for (const double side : {1.0, -1.0})
@@ -332,7 +287,7 @@ private:
         double least, most = 0;
     };
 
-    Gap gapTo(const Walls& walls, const std::vector<uint32_t>& members, dvec3 way, double within) const {
+    Gap gapTo(const SheetWalls& walls, const std::vector<uint32_t>& members, dvec3 way, double within) const {
         Gap gap{.least = within};
         for (const uint32_t f : members) {
             const dvec3 middle = middleOf(f);
@@ -362,13 +317,16 @@ private:
         };
         // As it is drawn, and its back.
         const double drawn = over ? -behind : ahead, turned = over ? ahead : -behind;
-        const auto add = [&](const std::vector<std::vector<dvec3>>& loops, bool isBack) {
+        const auto add = [&](const std::vector<std::vector<dvec3>>& loops, uint32_t material) {
             out.push_back(sheet);
             out.back().loops = loops;
-            if (isBack) out.back().material = sheet.behind.value_or(sheet.material);
+            out.back().material = material;
         };
         // Of corners with offsets of their own; triangles where it is bent by them.
         const auto addSide = [&](double depth, bool isBack) {
+            const uint32_t material = onWall_ && depth == onWall_->first ? onWall_->second
+                                      : isBack ? sheet.behind.value_or(sheet.material)
+                                               : sheet.material;
             const auto moved = [&](const auto& corners) {
                 std::vector<dvec3> loop;
                 for (const uint32_t v : corners) loop.push_back(at(v, depth));
@@ -377,17 +335,18 @@ private:
             };
             std::vector<std::vector<dvec3>> loops;
             for (const auto& loop : face.loops) loops.push_back(moved(loop));
-            if (isFlat(loops)) return add(loops, isBack);
-            for (const auto& triangle : triangulateFace(welded_, face)) add({moved(triangle)}, isBack);
+            if (isFlat(loops)) return add(loops, material);
+            for (const auto& triangle : triangulateFace(welded_, face)) add({moved(triangle)}, material);
         };
         eachEdge(f, [&](uint32_t a, uint32_t b) {
             if (isJoint(a, b)) return;
             const std::vector<dvec3> rim{at(a, turned), at(b, turned), at(b, drawn), at(a, drawn)};
             const dvec3 n = glm::normalize(areaVector(rim));
             if (std::abs(glm::dot(rim[1] - rim[0], n)) + std::abs(glm::dot(rim[3] - rim[0], n)) < tolerance_)
-                add({rim}, false);
+                add({rim}, sheet.material);
             else
-                add({{rim[0], rim[1], rim[2]}}, false), add({{rim[0], rim[2], rim[3]}}, false);
+                add({{rim[0], rim[1], rim[2]}}, sheet.material),
+                    add({{rim[0], rim[2], rim[3]}}, sheet.material);
         });
         addSide(drawn, false), addSide(turned, true);
     }
@@ -402,12 +361,14 @@ private:
     }
 
     const std::vector<SoupFace>& sheets_;
-    const Walls &walls_, &all_;
+    const SheetWalls &walls_, &all_;
     const std::function<bool(dvec3)>& isInRoom_;
     double thickness_, near_, tolerance_;
     Building welded_;
     std::map<uint32_t, bool> over_; // per face of one whole
     std::set<Edge> joints_;
+    // Of one whole that lies on a wall without thickness: what the next room sees there, and how far it is.
+    std::optional<std::pair<double, uint32_t>> onWall_;
     std::map<Corner, uint32_t> fan_;   // of one whole
     std::map<uint32_t, dvec3> offset_; // per fan of one whole: by which all its faces move by one
 };
@@ -436,11 +397,8 @@ std::optional<SheetBoards> boardsOf(const std::set<uint32_t>& inRooms, const std
         out.faces.push_back(faces[k]);
         if (!isGlass(faces[k].material)) walls.push_back(faces[k]);
     }
-    const auto wallsOf = [&](const std::vector<SoupFace>& some) {
-        return Walls(flatFacesOf(weldedByNumber(some, tolerance)), tolerance);
-    };
     out.first = out.faces.size();
-    const Walls ofWalls = wallsOf(walls), ofAll = wallsOf(out.faces);
+    const SheetWalls ofWalls(walls, tolerance), ofAll(out.faces, tolerance);
     std::optional<SheetRooms> rooms; // few need them
     const std::vector<SoupFace> rest = out.faces;
     const std::function<bool(dvec3)> isInRoom = [&](dvec3 p) {
