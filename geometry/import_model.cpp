@@ -25,6 +25,7 @@
 #include "geometry/room_measures.h"
 #include "geometry/seen_boards.h"
 #include "geometry/sheet_boards.h"
+#include "geometry/sheet_walls.h"
 #include "geometry/shell_faces.h"
 #include "geometry/space_parts.h"
 #include "geometry/space_sheets.h"
@@ -71,7 +72,7 @@ public:
     InputError named(const InputError& wrong) const {
         const InputError error =
             withLeak(wrong, reading_.model, reading_.extent, reading_.worldPerBuilding());
-        return {error, reading_.model.doWithoutNamed(error.what())};
+        return {error, reading_.model.doWithoutNamed(error)};
     }
     RefusedModel refused(const InputError& error) const {
         return refusedModel(reading_.model, error.where(), reading_.extent, reading_.worldPerBuilding());
@@ -84,8 +85,10 @@ public:
             return importSolids();
         } catch (const InputError&) {
             faces_ = drawn;
+            std::optional<InputError> onPane;
             for (WithBoards& with : withBoards()) {
                 faces_ = std::move(with.faces);
+                if (!onPane) onPane = boardOnPane(with.boards);
                 try {
                     Building made = importSolids(with.boards);
                     if (insidesOfWalls(made) == 0) return made;
@@ -93,6 +96,7 @@ public:
                 }
             }
             if (reading_.coveredPane) throw InputError(*reading_.coveredPane);
+            if (onPane) throw InputError(*onPane);
             throw;
         }
     }
@@ -187,7 +191,7 @@ private:
         const std::vector<SoupFace> drawn = faces_.soup;
         unite(Solids::thatCross);
         const double scale = reading_.worldPerBuilding(), tolerance = reading_.tolerance();
-        const double thickness = std::max(kBoard * scale, kBoardOfTolerance * tolerance);
+        const double thickness = boardThickness();
         std::vector<WithBoards> out;
         for (SheetBoards& boards : sheetsAsBoards(faces_.soup, drawn, reading_.isGlass(), thickness,
                                                   kNearWall * scale, tolerance)) {
@@ -202,6 +206,32 @@ private:
                 reading_.inBuilding(thickness)));
         }
         return out;
+    }
+
+    double boardThickness() const {
+        return std::max(kBoard * reading_.worldPerBuilding(), kBoardOfTolerance * reading_.tolerance());
+    }
+
+    // Nearer than boards are thick none is made of a sheet without the pane going: what a user can mend.
+    std::optional<InputError> boardOnPane(const std::vector<SoupFace>& boards) const {
+        std::vector<SoupFace> glass = faces_.soup;
+        std::erase_if(glass, [&](const SoupFace& face) { return !reading_.isGlass()(face.material); });
+        if (glass.empty()) return std::nullopt;
+        const double tolerance = reading_.tolerance(), thickness = boardThickness();
+        const SheetWalls panes(glass, tolerance);
+        for (const FlatFace& face : flatFacesOf(weldedByNumber(boards, tolerance))) {
+            if (face.triangles.empty()) continue;
+            const glm::dvec3 middle = largestTriangle(face).middle();
+            for (const double side : {1.0, -1.0})
+                if (const auto pane = panes.faceAt(middle, side * face.normal, thickness))
+                    return reading_.model.errorAt(
+                        boards[face.surface].surface,
+                        fmt::format("the face lies less than {:.2g} m from an opening ({}), expected it "
+                                    "farther off",
+                                    reading_.inBuilding(thickness),
+                                    reading_.model.place(glass[*pane].surface)));
+        }
+        return std::nullopt;
     }
 
     // Of the rooms of several.

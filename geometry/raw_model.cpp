@@ -92,14 +92,16 @@ InputError RawModel::openAt(uint32_t face, const std::string& what) const {
     return {file, place(face), what, {.faces = {face}, .isOpen = true}};
 }
 
-std::string RawModel::doWithoutNamed(const std::string& message) const {
+std::string RawModel::doWithoutNamed(const InputError& error) const {
+    const std::string message = error.what();
+    const auto& faces = error.where().faces;
+    const bool isOfPane = !faces.empty() && materials[material[faces[0]]].isOpening();
     struct Share {
         double area = 0;
         bool hasGlass = false;
     };
     std::map<std::string, Share> known;
-    const Object* named = nullptr;
-    size_t first = message.size();
+    std::map<size_t, const Object*> named; // by where in the message
     double whole = 0;
     for (size_t i = 0; i < group.size(); ++i) {
         const Object& its = object[group[i]];
@@ -110,11 +112,14 @@ std::string RawModel::doWithoutNamed(const std::string& message) const {
         share->second.hasGlass |= materials[material[i]].isOpening();
         if (its.name.empty() || !isNew) continue;
         const size_t at = message.find(fmt::format("({})", shown(its)));
-        if (at < first) first = at, named = &its;
+        if (at != message.npos) named[at] = &its;
     }
-    if (!named || known.size() < 2) return "";
-    if (const Share& its = known[named->name]; its.hasGlass || its.area > kOfRoom * whole) return "";
-    return fmt::format("; --leave-out={} does without this {}", forShell(named->name), named->kind);
+    if (isOfPane && named.size() > 1 && known[named.begin()->second->name].hasGlass)
+        named.erase(named.begin()); // what lies on the pane
+    if (named.empty() || known.size() < 2) return "";
+    const Object& first = *named.begin()->second;
+    if (const Share& its = known[first.name]; its.hasGlass || its.area > kOfRoom * whole) return "";
+    return fmt::format("; --leave-out={} does without this {}", forShell(first.name), first.kind);
 }
 
 std::vector<std::vector<uint32_t>> RawModel::loops(size_t i) const {

@@ -108,8 +108,8 @@ struct RawModel {
     // The same of a model that does not close.
     InputError openAt(uint32_t face, const std::string& what) const;
     // Where a message names an object that has no glass and is not most of what there is: how to do without
-    // it, for a shell. Else "".
-    std::string doWithoutNamed(const std::string& message) const;
+    // it, for a shell. Of a pane and what lies on it the latter. Else "".
+    std::string doWithoutNamed(const InputError& error) const;
 };
 
 // Both throw InputError naming the line or the field. Unknown keys are ignored.

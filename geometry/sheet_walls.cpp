@@ -40,6 +40,17 @@ uint32_t SheetWalls::materialAt(dvec3 from, dvec3 way, double far) const {
     return out;
 }
 
+std::optional<uint32_t> SheetWalls::faceAt(dvec3 from, dvec3 way, double reach) const {
+    std::optional<uint32_t> out;
+    tree_.anyAlong(from, way, reach, [&](uint32_t i) {
+        if (std::abs(glm::dot(faces_[i].normal, way)) < kOnePlaneCosine) return false;
+        for (const ShellTriangle& t : faces_[i].triangles)
+            if (const auto at = distanceTo(t, from, way); at && *at <= reach) out = faces_[i].surface;
+        return out.has_value();
+    });
+    return out;
+}
+
 std::vector<dvec3> SheetWalls::normalsAlong(dvec3 from, dvec3 to) const {
     std::vector<dvec3> out;
     for (const double part : {1e-3, 0.5, 1 - 1e-3}) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "geometry/box_tree.h"
@@ -21,6 +22,8 @@ public:
     double nearest(glm::dvec3 from, glm::dvec3 way, double reach, double cosine = 0) const;
     // The material of what is met so far away; of several, of one that looks along `way`.
     uint32_t materialAt(glm::dvec3 from, glm::dvec3 way, double far) const;
+    // Any that is met within `reach` and nearly across `way`, by its place among those given.
+    std::optional<uint32_t> faceAt(glm::dvec3 from, glm::dvec3 way, double reach) const;
     // Of the faces in whose planes both ends lie, and that have one of three points between them.
     std::vector<glm::dvec3> normalsAlong(glm::dvec3 from, glm::dvec3 to) const;
 
