@@ -61,7 +61,8 @@ public:
     // alone, or ends a hair before a wall, or nothing is `apart` that would not be.
     bool make(std::vector<SoupFace>& out, bool apart) {
         const auto edges = facesOfEdges(welded_);
-        if (!findJoints(edges, apart)) return false;
+        apart_ = apart;
+        if (!findJoints(edges)) return false;
         DisjointSets sets(welded_.faces.size());
         for (const Edge& joint : joints_) sets.join(edges.at(joint)[0], edges.at(joint)[1]);
         std::map<uint32_t, std::vector<uint32_t>> wholes;
@@ -74,7 +75,7 @@ private:
     using Corner = std::pair<uint32_t, uint32_t>; // vertex, face
 
     // Edges over which two sheets are one board. False where none is apart that would not be.
-    bool findJoints(const std::map<Edge, std::vector<uint32_t>>& edges, bool apart) {
+    bool findJoints(const std::map<Edge, std::vector<uint32_t>>& edges) {
         std::vector<Edge> next;
         std::map<uint32_t, std::vector<Edge>> joints; // per vertex
         for (const auto& [edge, around] : edges) {
@@ -86,8 +87,8 @@ private:
         const auto way = [&](const Edge& edge) {
             return glm::normalize(welded_.vertices[edge.second] - welded_.vertices[edge.first]);
         };
-        bool any = !apart;
-        while (apart && !next.empty()) {
+        bool any = !apart_;
+        while (apart_ && !next.empty()) {
             const Edge edge = next.back();
             next.pop_back();
             for (const uint32_t v : {edge.first, edge.second})
@@ -119,7 +120,7 @@ private:
         return true;
     }
 
-    // Per corner of a face: faces round a vertex that hang together by joints move as one there.
+    // Per corner of a face: faces round a vertex that hang together by joints move as one there, or all.
     void findFans(const std::vector<uint32_t>& members, const std::map<Edge, std::vector<uint32_t>>& edges) {
         std::map<Corner, uint32_t> number;
         for (const uint32_t f : members)
@@ -133,6 +134,9 @@ private:
                 for (const uint32_t g : edges.at(std::minmax(a, b)))
                     for (const uint32_t v : {a, b}) sets.join(number.at({v, f}), number.at({v, g}));
             });
+        if (!apart_)
+            for (auto one = number.begin(), next = one; ++next != number.end(); one = next)
+                if (one->first.first == next->first.first) sets.join(one->second, next->second);
         fan_.clear();
         for (const auto& [corner, k] : number) fan_[corner] = sets.root(k);
     }
@@ -366,6 +370,7 @@ private:
     double thickness_, near_, tolerance_;
     Building welded_;
     std::map<uint32_t, bool> over_; // per face of one whole
+    bool apart_ = false;
     std::set<Edge> joints_;
     // Of one whole that lies on a wall without thickness: what the next room sees there, and how far it is.
     std::optional<std::pair<double, uint32_t>> onWall_;
