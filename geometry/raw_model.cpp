@@ -112,7 +112,7 @@ std::string RawModel::doWithoutNamed(const InputError& error) const {
         share->second.hasGlass |= materials[material[i]].isOpening();
         if (its.name.empty() || !isNew) continue;
         const size_t at = message.find(fmt::format("({})", shown(its)));
-        if (at != message.npos) named[at] = &its;
+        if (at != message.npos) named.try_emplace(at, &its);
     }
     if (isOfPane && named.size() > 1 && known[named.begin()->second->name].hasGlass)
         named.erase(named.begin()); // what lies on the pane
