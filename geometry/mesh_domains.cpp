@@ -48,7 +48,7 @@ Frame frameOfFace(const Building& building, const Face& face) {
 // The boundary of several faces together: their edges without the seams, as loops.
 class BoundaryTracer {
 public:
-    BoundaryTracer(const Building& building, MeshDomain& domain) : building_(building), domain_(domain) {
+    BoundaryTracer(const Building& building, MeshDomain& domain) : domain_(domain) {
         for (uint32_t i = 0; i < domain.faces.size(); ++i)
             for (const auto& loop : building.faces[domain.faces[i]].loops)
                 for (size_t k = 0; k < loop.size(); ++k)
@@ -74,7 +74,6 @@ public:
     }
 
 private:
-    const Building& building_;
     MeshDomain& domain_;
     std::map<Edge, std::pair<uint32_t, uint32_t>> after_; // edge -> corner that follows, facet
 };
