@@ -1,9 +1,13 @@
 #include "geometry/shared_walls.h"
 
 #include <algorithm>
+#include <cmath>
+#include <map>
+#include <optional>
 #include <set>
 
 #include <fmt/format.h>
+#include <glm/geometric.hpp>
 
 #include "geometry/box_tree.h"
 #include "geometry/counted.h"
@@ -57,8 +61,7 @@ public:
         std::vector<SoupFace> outside;
         for (uint32_t f = 0; f < space_.welded.faces.size(); ++f) {
             const Sheet& sheet = space_.sheetOf(f);
-            std::vector<uint32_t> all = sheet.drawn[0];
-            all.insert(all.end(), sheet.drawn[1].begin(), sheet.drawn[1].end());
+            const std::vector<uint32_t> all = drawnOn(f);
             for (size_t k = 1; k < all.size(); ++k)
                 out.pairs.push_back({faces_[all[0]].surface, faces_[all[k]].surface});
             const size_t before = out.faces.size();
@@ -90,6 +93,14 @@ public:
     }
 
 private:
+    // All, whichever way they look.
+    std::vector<uint32_t> drawnOn(uint32_t f) const {
+        const auto& [ahead, back] = space_.sheetOf(f).drawn;
+        std::vector<uint32_t> out = ahead;
+        out.insert(out.end(), back.begin(), back.end());
+        return out;
+    }
+
     // Of the faces drawn on a sheet, the one for the side: that which is turned as those about it, and of
     // several such its own, and the smaller one (drawn on the other). Where nothing is behind the sheet a
     // smaller one that is turned over is drawn on the other, too, unless its like cover half of that: those
@@ -113,6 +124,7 @@ private:
         const auto looksOther = [&](uint32_t k, uint32_t other) {
             return faces_[k].material != faces_[other].material || faces_[k].role != faces_[other].role;
         };
+        if (isOfBeyond(f, side, &list == &sheet.drawn[0] ? 0 : 1)) return wallAmong(list, id);
         const uint32_t best = *std::ranges::min_element(list, {}, rank);
         if (!rooms_.room.contains(beyond) && !turned.empty()) {
             const uint32_t over = *std::ranges::min_element(turned, {}, rank);
@@ -133,6 +145,45 @@ private:
             covered_.insert(f);
         }
         return best;
+    }
+
+    // Where a sheet's faces that look this way are the only ones, or both rooms' own: whether the room on the
+    // other side sees all of them.
+    bool isOfBeyond(uint32_t f, uint32_t side, size_t looks) const {
+        const uint32_t beyond = space_.partAt(f, 1 - side);
+        const auto own = [&](uint32_t s) { // which way its faces look
+            return space_.parts.at(space_.partAt(f, s)).drawnInwards >= 0 ? s : 1 - s;
+        };
+        return rooms_.room.contains(beyond) && own(1 - side) == looks &&
+               (own(side) != looks || looks != side);
+    }
+
+    // The face that parts that room from another: of those that are as large there the smallest. What is
+    // smaller is drawn on it in the other room.
+    uint32_t wallAmong(const std::vector<uint32_t>& list, uint32_t id) {
+        if (list.size() == 1) return list[0];
+        if (!wholes_) measureWholes();
+        const auto size = [&](uint32_t k) { return towards_.at({wholes_->root(k), id}); };
+        const double largest = size(*std::ranges::max_element(list, {}, size));
+        return *std::ranges::min_element(list, {}, [&](uint32_t k) {
+            return std::pair(size(k) * 1.001 < largest, wholeArea_.at(wholes_->root(k)));
+        });
+    }
+
+    void measureWholes() {
+        wholes_.emplace(faces_.size());
+        for (const auto& [edge, around] : facesOfEdges(space_.welded))
+            for (const uint32_t f : around)
+                for (const uint32_t g : around)
+                    if (f < g && std::abs(glm::dot(space_.normalOf(f), space_.normalOf(g))) > kOnePlaneCosine)
+                        for (const uint32_t k : drawnOn(f))
+                            for (const uint32_t other : drawnOn(g))
+                                if (faces_[k].material == faces_[other].material) wholes_->join(k, other);
+        for (uint32_t f = 0; f < space_.welded.faces.size(); ++f)
+            for (const uint32_t k : drawnOn(f))
+                for (const uint32_t s : {0u, 1u})
+                    towards_[{wholes_->root(k), space_.partAt(f, s)}] += space_.area[f];
+        for (uint32_t k = 0; k < faces_.size(); ++k) wholeArea_[wholes_->root(k)] += space_.drawn[k].area;
     }
 
     // The sides of a welded face, to the rooms that see them and to the outside; nobody sees `unseen` there.
@@ -191,7 +242,12 @@ private:
     const RoomParts& rooms_;
     std::set<uint32_t> covered_; // sheets of different materials of which the smaller is seen
     std::set<uint32_t> unseen_;  // given faces, as SharedWalls has them
-    bool unclear_ = false;       // two materials in one place
+    // Faces of one material that hang together in their plane; by their roots the areas, of each part and
+    // all.
+    std::optional<DisjointSets> wholes_;
+    std::map<std::pair<uint32_t, uint32_t>, double> towards_;
+    std::map<uint32_t, double> wholeArea_;
+    bool unclear_ = false; // two materials in one place
 };
 
 bool anyCross(const std::vector<FlatFace>& faces, double tolerance) {

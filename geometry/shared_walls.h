@@ -34,7 +34,8 @@ struct SharedWalls {
 // Faces may look either way, overlap in their planes, end on one another (a wall drawn once) and be given
 // twice; edges must meet within `tolerance` (metres). Where faces lie on one another, each room gets the
 // material of the one that is turned as the rest of its own faces are, of several such the smallest of those
-// that bound that room (a rug on the floor). Where no room is behind, a smaller one that is turned over is
+// that bound that room (a rug on the floor). Where all are those of the room behind, it gets the wall and not
+// what is drawn on it there. Where no room is behind, a smaller one that is turned over is
 // seen as well, unless nothing is behind and such cover half of the face or more: they are the wall's outer
 // side. What that rule chose between materials is a repair.
 // Solid is what was drawn into a room without regard to it (its floor or walls run on behind it) and stands
