@@ -185,9 +185,10 @@ private:
         if (!is(deck, kFloor) && !isMain) return;
         const Air air = airOf(deck);
         if (air.free < kFloor.area) return;
-        const double rise = riseOf(deck, false).height;
+        const Decks::Rise from = riseOf(deck, false);
+        const double rise = from.height;
         const bool isHigh = rise >= kHeadroom * metre,
-                   isStorey = isHigh || air.walkedUnderInRoom >= kFloor.area;
+                   isStorey = isHigh || (air.walkedUnderInRoom >= kFloor.area && !standsOn(deck, from));
         const bool mayBeFloor =
             isStorey ? air.walkedUnder >= kFloor.area || (isHigh && deck.width >= kCupboard * metre)
                      : isMain || mayBeStage(deck, rise);
@@ -197,6 +198,14 @@ private:
             return out_.undecided.push_back(deck.largest().patches[0]);
         deck.isUpper = isStorey;
         take(deck);
+    }
+
+    // As a bed on an upper floor, that is walked under like this.
+    bool standsOn(const Deck& deck, const Decks::Rise& rise) const {
+        return rise.from && std::ranges::any_of(rise.from->levels, [&](const Level& level) {
+                   return std::abs(deck.low() - rise.height - level.high) <= kSame * scale_ &&
+                          level.area > deck.area;
+               });
     }
 
     bool mayBeStage(const Deck& deck, double rise) {

@@ -91,6 +91,21 @@ TEST(Floors, three_storeys_round_a_well) {
     EXPECT_EQ(areas.undecided, 0u);
 }
 
+// Over the ceiling of the storey below, and no higher than stairs may rise at their end.
+TEST(Floors, furniture_on_upper_floors_is_none) {
+    for (const auto& [high, stands] :
+         {std::pair(glm::dvec3(2, 3.5, 2), 4.0), {{2, 3.45, 0.9}, 1.8}, {{1.8, 3.74, 1.8}, 3.24}}) {
+        BoxModel model(6);
+        model.add({0, 2.8, 0}, {6, 3, 4});
+        model.add({0, 3, 0}, high);
+        model.addStairs(0, 3, 0.5, 4.05);
+        const Areas areas = areasOf(model);
+        EXPECT_NEAR(areas.lowest, 30, 1e-6) << high.y;
+        EXPECT_NEAR(areas.upper, 24 - stands, 1e-6) << high.y;
+        EXPECT_EQ(areas.undecided, 0u) << high.y;
+    }
+}
+
 TEST(Floors, what_no_stairs_lead_to_is_none_and_said) {
     for (const auto& [low, high] : std::vector<std::pair<glm::dvec3, glm::dvec3>>{
              {{0, 2.2, 0}, {3, 2.5, 3}},       // a gallery without its stairs, or a booth's roof
