@@ -46,9 +46,6 @@ bool areOfBody(const std::vector<SoupFace>& drawn, const std::set<uint32_t>& she
                double tolerance) {
     const Building welded = weldedByNumber(drawn, tolerance);
     const auto isSheet = [&](uint32_t f) { return sheets.contains(drawn[welded.faces[f].surface].surface); };
-    std::vector<FlatFace> flat = flatFacesOf(welded);
-    std::erase_if(flat, [&](const FlatFace& face) { return !isSheet(face.face) || face.triangles.empty(); });
-    const std::set<uint32_t> sides = opposed(flat, thickest, tolerance);
     struct Beside {
         uint32_t face;
         glm::dvec3 inwards; // along it, away from the edge
@@ -62,6 +59,24 @@ bool areOfBody(const std::vector<SoupFace>& drawn, const std::set<uint32_t>& she
                 edges[std::minmax(a, b)].push_back(
                     {f, glm::normalize(glm::cross(n, welded.vertices[b] - welded.vertices[a]))});
             }
+    DisjointSets wholes(welded.faces.size());
+    std::set<uint32_t> attached; // faces with an edge of what is no sheet
+    for (const auto& [edge, around] : edges)
+        for (const Beside& sheet : around) {
+            if (!isSheet(sheet.face)) continue;
+            for (const Beside& other : around)
+                if (isSheet(other.face))
+                    wholes.join(sheet.face, other.face);
+                else
+                    attached.insert(sheet.face);
+        }
+    std::set<uint32_t> mayBeSides; // roots: pictures that hang before a partition are none
+    for (const uint32_t f : attached) mayBeSides.insert(wholes.root(f));
+    std::vector<FlatFace> flat = flatFacesOf(welded);
+    std::erase_if(flat, [&](const FlatFace& face) {
+        return !isSheet(face.face) || face.triangles.empty() || !mayBeSides.contains(wholes.root(face.face));
+    });
+    const std::set<uint32_t> sides = opposed(flat, thickest, tolerance);
     std::map<uint32_t, size_t> shared;
     for (const auto& [edge, around] : edges) {
         if (std::ranges::all_of(around, isSheet, &Beside::face)) continue;

@@ -88,4 +88,25 @@ TEST(WallPictures, are_not_the_smaller_wall_of_a_smaller_room) {
     EXPECT_NEAR(areaThatLooks(mesh, "paint", {1, 0, 0}), 6, 1e-3);
 }
 
+// Whose floors meet under it: the picture is no other side of it, as a body's.
+TEST(WallPictures, hang_before_partitions_with_an_open_door) {
+    for (const double gap : {0.005, 0.3})
+        for (const bool triangles : {false, true}) {
+            Drawing drawing(false);
+            drawing.triangles = triangles;
+            drawing.room(0, 3, true);
+            nextRoom(drawing);
+            drawing.sheet({4, 0, 0}, {0, 2.5, 0}, {0, 0, 3});
+            drawing.sheet({4, 0, 3.9}, {0, 2.5, 0}, {0, 0, 1.1});
+            drawing.sheet({4, 2, 3}, {0, 0.5, 0}, {0, 0, 0.9});
+            const double x = 4 - gap;
+            drawing.face("paint", {{x, 1, 1}, {x, 1, 2}, {x, 2, 2}, {x, 2, 1}});
+            const Building building = drawing.read();
+            EXPECT_EQ(building.roomCount, 1u);
+            const PatchMesh mesh = meshBuilding(building, {300});
+            EXPECT_NEAR(volume(mesh), 150, 0.02);
+            EXPECT_NEAR(areaThatLooks(mesh, "paint", {-1, 0, 0}), 1, 1e-2);
+        }
+}
+
 } // namespace
