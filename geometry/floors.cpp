@@ -158,7 +158,8 @@ private:
         const Air air = airOf(deck);
         if (air.free < kFloor.area || 2 * air.over * square > deck.area) return false;
         if (mainArea(deck) >= kMain.area ||
-            (is(deck, kMain) && deck.area >= 1.01 * area_ && walls(deck) >= kSomeWalls)) {
+            (is(deck, kMain) && walls(deck) >= kSomeWalls &&
+             (deck.area >= 1.01 * area_ || (air.walkedUnder < kFloor.area && isRoundAllBelow(deck))))) {
             main_ = &deck;
             return true;
         }
@@ -237,6 +238,31 @@ private:
                     up += glm::distance(mesh_.vertices[edge.first], mesh_.vertices[edge.second]);
         }
         return up / all;
+    }
+
+    // Whether what is floor below it lies in holes of it, as a pool, however large: nothing goes up from
+    // these.
+    bool isRoundAllBelow(const Deck& deck) {
+        const Level& level = deck.largest();
+        DisjointSets loops(mesh_.vertices.size());
+        for (const auto& [a, b] : level.border) loops.join(a, b);
+        std::set<uint32_t> outer; // loops with walls
+        for (const auto& edge : level.border)
+            if (risen_.contains(edge)) outer.insert(loops.root(edge.first));
+        const auto isInHole = [&](const Deck& below) {
+            const glm::dvec3 p = patchCentroid(mesh_, below.largest().patches[0]);
+            std::map<uint32_t, bool> holds; // by how often a line from p crosses the loop
+            for (const auto& [v, w] : level.border) {
+                const glm::dvec3 a = mesh_.vertices[v], b = mesh_.vertices[w];
+                if ((a.z > p.z) != (b.z > p.z) && p.x < a.x + (p.z - a.z) / (b.z - a.z) * (b.x - a.x))
+                    holds[loops.root(v)] ^= true;
+            }
+            return std::ranges::any_of(
+                holds, [&](const auto& loop) { return loop.second && !outer.contains(loop.first); });
+        };
+        return std::ranges::all_of(decks_->all(), [&](const Deck& below) {
+            return !below.isFloor || below.low() >= deck.low() || isInHole(below);
+        });
     }
 
     // By stairs, of whatever stands in the room.

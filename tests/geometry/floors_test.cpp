@@ -161,6 +161,17 @@ TEST(Floors, a_pit_is_floor_and_so_is_what_is_round_it) {
         }
 }
 
+// A pool is larger than what is round it.
+TEST(Floors, a_large_pit_has_floor_all_round_it) {
+    for (const double depth : {0.9, 2.2}) {
+        const Areas areas = areasOf(BoxModel(4, {1, -depth, 1}, {5, 0, 4}));
+        EXPECT_NEAR(areas.lowest, 30, 1e-9) << depth;
+        EXPECT_EQ(areas.undecided, 0u) << depth;
+    }
+    BoxModel model(4, {0.5, -0.9, 0.5}, {5.5, 0, 4.5}); // round it runs a bench
+    EXPECT_NEAR(areasOf(model).lowest, 20, 1e-9);
+}
+
 TEST(Floors, what_stands_in_a_pit_or_beside_it_is_none) {
     BoxModel model(3, {2, -0.9, 1}, {5, 0, 4});
     model.add({2, -0.9, 1}, {5, -0.45, 1.5});   // a bench
