@@ -8,12 +8,10 @@
 #include <set>
 #include <utility>
 
-#include "geometry/disjoint_sets.h"
-#include "geometry/flat_faces.h"
+#include "geometry/closed_pieces.h"
 #include "geometry/key_hash.h"
 #include "geometry/outline_area.h"
 #include "geometry/shell_faces.h"
-#include "geometry/shell_nesting.h"
 
 namespace heliodon::geometry {
 
@@ -23,13 +21,6 @@ using glm::dvec3;
 
 constexpr size_t kOnePart = 20; // of a piece's faces, one may be drawn for one side alone
 
-// What hangs together, closed, its faces all turned one way.
-struct Piece {
-    std::vector<uint32_t> faces; // of the welded building
-    std::vector<bool> turned;    // per face: against how it is drawn
-    bool looksIn = false, hasGlass = false;
-};
-
 class FaceHalver {
 public:
     FaceHalver(std::vector<SoupFace>& faces, const std::function<bool(uint32_t)>& isGlass, double tolerance)
@@ -38,8 +29,8 @@ public:
     size_t halve() {
         if (std::ranges::none_of(faces_, [&](const SoupFace& f) { return isGlass_(f.material); })) return 0;
         if (!mayBeDoubled() || !findBacks()) return 0;
-        std::vector<Piece> pieces = closedPieces(false);
-        for (Piece& piece : closedPieces(true)) pieces.push_back(std::move(piece));
+        std::vector<ClosedPiece> pieces = doubledPieces(false);
+        for (ClosedPiece& piece : doubledPieces(true)) pieces.push_back(std::move(piece));
         return keepOne(pieces);
     }
 
@@ -79,7 +70,7 @@ private:
     }
 
     // Of what is no glass and, where `withGlass`, of what did not close without it.
-    std::vector<Piece> closedPieces(bool withGlass) {
+    std::vector<ClosedPiece> doubledPieces(bool withGlass) {
         std::vector<SoupFace> once;
         for (uint32_t k = 0; k < faces_.size(); ++k)
             if (!isBack_[k] && !taken_.contains(k) && (withGlass || isOpaque(k))) {
@@ -87,51 +78,26 @@ private:
                 once.back().surface = k;
             }
         const Building welded = weldFaces(once, 1, tolerance_, true);
-        DisjointSets sets(welded.faces.size());
-        for (auto& [edge, around] : facesOfEdges(welded)) {
-            std::ranges::sort(around, {}, [&](uint32_t f) { return welded.faces[f].surface; });
-            for (size_t k = 1; k < around.size(); k += 2) sets.join(around[k - 1], around[k]);
+        std::vector<ClosedPiece> out;
+        for (ClosedPiece& piece : closedPieces(welded)) {
+            taken_.insert(piece.faces.begin(), piece.faces.end());
+            if (isDoubled(piece)) out.push_back(std::move(piece));
         }
-        std::map<uint32_t, std::vector<uint32_t>> wholes;
-        for (uint32_t f = 0; f < welded.faces.size(); ++f) wholes[sets.root(f)].push_back(f);
-        std::vector<Piece> out;
-        for (const auto& [root, members] : wholes)
-            if (auto piece = closedPiece(welded, members)) {
-                for (const uint32_t k : piece->faces) taken_.insert(k);
-                if (isDoubled(*piece)) out.push_back(std::move(*piece));
-            }
         return out;
     }
 
-    std::optional<Piece> closedPiece(const Building& welded, const std::vector<uint32_t>& members) const {
-        Building alone{.vertices = welded.vertices};
-        for (const uint32_t f : members) alone.faces.push_back(welded.faces[f]);
-        const std::vector<Face> drawn = alone.faces;
-        const ShellFaces shells = orientShells(alone);
-        if (!shells.bad.empty() || shells.count != 1) return std::nullopt;
-        Piece out;
-        for (size_t f = 0; f < drawn.size(); ++f) {
-            out.faces.push_back(drawn[f].surface);
-            out.turned.push_back(drawn[f].loops != alone.faces[f].loops);
-            out.hasGlass |= !isOpaque(drawn[f].surface);
-        }
-        const std::vector<ShellTriangle> triangles = trianglesOf(flatFacesOf(alone));
-        if (triangles.empty()) return std::nullopt;
-        out.looksIn = volumeWithin(triangles) >= 0;
-        return out;
-    }
-
-    bool isDoubled(const Piece& piece) const {
+    bool isDoubled(const ClosedPiece& piece) const {
         const auto single = std::ranges::count_if(
             piece.faces, [&](uint32_t k) { return isOpaque(k) && !back_[k].has_value(); });
         return static_cast<size_t>(single) * kOnePart <= piece.faces.size();
     }
 
-    size_t keepOne(const std::vector<Piece>& pieces) {
+    size_t keepOne(const std::vector<ClosedPiece>& pieces) {
         std::vector<bool> gone(faces_.size(), false);
         size_t count = 0;
-        for (const Piece& piece : pieces) {
-            const bool wrongWay = piece.looksIn != piece.hasGlass; // rooms look in, furniture out
+        for (const ClosedPiece& piece : pieces) {
+            const bool hasGlass = !std::ranges::all_of(piece.faces, [&](uint32_t k) { return isOpaque(k); });
+            const bool wrongWay = piece.looksIn != hasGlass; // rooms look in, furniture out
             for (size_t f = 0; f < piece.faces.size(); ++f) {
                 const uint32_t k = piece.faces[f];
                 if (!back_[k].has_value()) {

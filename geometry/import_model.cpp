@@ -29,6 +29,7 @@
 #include "geometry/shell_faces.h"
 #include "geometry/space_parts.h"
 #include "geometry/space_sheets.h"
+#include "geometry/turned_faces.h"
 
 namespace heliodon::geometry {
 
@@ -59,6 +60,7 @@ public:
         faces_ = flatFaces(reading_.model, reading_.extent, reading_.worldPerBuilding(), coarser);
         faces_.dropped += dropDoubledGlass(faces_.soup, reading_.isGlass(), reading_.tolerance());
         faces_.dropped += dropDoubledFaces(faces_.soup, reading_.isGlass(), reading_.tolerance());
+        faces_.turnedOver = turnAlike(faces_.soup, reading_.isGlass(), reading_.tolerance());
     }
 
     // World metres: the last decimal of the coordinates, where the rooms are many times larger; 0: none.

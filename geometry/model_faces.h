@@ -20,6 +20,7 @@ struct ModelFaces {
     std::vector<SoupFace> soup;        // SoupFace::surface: the face's number in the file
     std::vector<SoupFace> outside;     // of kOutsideGroup, flat too
     size_t dropped = 0;                // faces without area
+    size_t turnedOver = 0;             // against the others of their body (geometry/turned_faces)
     std::string repair;                // of faces bent by little; empty where there are none
     std::vector<std::string> warnings; // of those bent by more, and what else was guessed
     // By the face's number in the file, world metres: bent so far that this may be what keeps rooms from

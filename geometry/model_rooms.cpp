@@ -46,7 +46,7 @@ std::vector<SoupFace> withoutKeys(std::vector<SoupFace> faces) {
 class RoomMaker {
 public:
     RoomMaker(const RawModel& model, const ModelFaces& faces, double extent, const std::set<uint32_t>& made)
-        : model_(model), faces_(faces), made_(made), extent_(extent) {}
+        : model_(model), faces_(faces), made_(made), turnedOver_(faces.turnedOver), extent_(extent) {}
 
     ModelRooms make(const std::function<void()>& beforePart) {
         bool tried = false, placed = false;
@@ -172,7 +172,7 @@ private:
         building_ = weldFaces(withoutKeys(space->faces), space->rooms, weldOfExtent_ * extent_);
         source_.clear();
         for (const Face& face : building_.faces) source_.push_back(face.surface);
-        turnedOver_ = 0;
+        turnedOver_ = faces_.turnedOver;
         building_.repairs = std::get<0>(before).repairs;
         building_.repairs.insert(building_.repairs.end(), space->repairs.begin(), space->repairs.end());
         building_.warnings = space->warnings;
@@ -485,7 +485,7 @@ private:
     uint32_t bodies_ = 0;                  // that stand outside, numbered as the last rooms
     std::vector<uint32_t> source_, shell_; // per face
     uint32_t shellCount_ = 0;
-    size_t turnedOver_ = 0; // against the others of their shell
+    size_t turnedOver_; // against the others of their shell
     double extent_, weldOfExtent_ = kWeldOfExtent;
 };
 

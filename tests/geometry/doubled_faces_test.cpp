@@ -18,28 +18,13 @@ double sizeOf(const Building& building) {
     return volume(meshBuilding(building, {300}));
 }
 
-// Round 4 by 2.5 by 5 m, running into one another, with a pane in the middle of its wall.
-void walls(Drawing& drawing) {
-    for (const auto& [low, high] : {std::pair<dvec3, dvec3>({-0.2, -0.2, -0.2}, {4.2, 0, 5.2}),
-                                    {{-0.2, 2.5, -0.2}, {4.2, 2.7, 5.2}},
-                                    {{-0.2, -0.1, -0.2}, {0, 2.6, 5.2}},
-                                    {{4, -0.1, -0.2}, {4.2, 2.6, 5.2}},
-                                    {{-0.1, -0.1, 5}, {4.1, 2.6, 5.2}},
-                                    {{-0.1, -0.1, -0.2}, {1, 2.6, 0}},
-                                    {{3, -0.1, -0.2}, {4.1, 2.6, 0}},
-                                    {{0.9, -0.1, -0.2}, {3.1, 0.8, 0}},
-                                    {{0.9, 2, -0.2}, {3.1, 2.6, 0}}})
-        solid(drawing, low, high - low);
-    drawing.face("glass", {{1, 0.8, -0.1}, {3, 0.8, -0.1}, {3, 2, -0.1}, {1, 2, -0.1}});
-}
-
 } // namespace
 
 TEST(DoubledFaces, rooms_of_boxes_and_of_sheets_with_what_stands_in_them) {
     for (const bool looksIn : {false, true}) { // which of the two sides comes first
         Drawing boxes(looksIn);
         boxes.twoSided = true;
-        walls(boxes);
+        solidWalls(boxes);
         EXPECT_NEAR(sizeOf(boxes.read()), 50 + 2 * 1.2 * 0.1, 1e-4);
         Drawing sheets(looksIn);
         sheets.twoSided = true;

@@ -28,11 +28,12 @@ using glm::dvec3;
 
 class Drawing {
 public:
-    double deep = 5;            // rooms are
-    double turned = 0;          // radians, about the vertical
-    bool twoSided = false;      // each face once a side
-    bool triangles = false;     // as most programs write
-    const char* floor = "wall"; // the material of rooms' floors
+    double deep = 5;                 // rooms are
+    double turned = 0;               // radians, about the vertical
+    bool twoSided = false;           // each face once a side
+    bool triangles = false;          // as most programs write
+    const char* floor = "wall";      // the material of rooms' floors
+    std::function<bool()> turnsFace; // asked for each
 
     // All faces turned over: drawn to be seen from outside, as some programs do. In so many units a metre.
     explicit Drawing(bool over, double units = 1) : over_(over), units_(units) {
@@ -55,7 +56,7 @@ public:
                 face(material, {corners[0], corners[k], corners[k + 1]});
             return;
         }
-        if (over_) std::ranges::reverse(corners);
+        if (over_ != (turnsFace && turnsFace())) std::ranges::reverse(corners);
         out_ << "usemtl " << material << '\n';
         for (const dvec3& corner : corners) {
             const double c = std::cos(turned), s = std::sin(turned);
@@ -131,6 +132,21 @@ inline void solid(Drawing& drawing, dvec3 o, dvec3 size, bool looksIn = false) {
     for (const auto& [at, u, v] : {std::tuple(o, x, z), std::tuple(o + y, z, x), std::tuple(o, y, x),
                                    std::tuple(o, z, y), std::tuple(o + x, y, z), std::tuple(o + z, x, y)})
         looksIn ? drawing.sheet(at, v, u) : drawing.sheet(at, u, v);
+}
+
+// Round 4 by 2.5 by 5 m, running into one another, with a pane in the middle of its wall.
+inline void solidWalls(Drawing& drawing) {
+    for (const auto& [low, high] : {std::pair<dvec3, dvec3>({-0.2, -0.2, -0.2}, {4.2, 0, 5.2}),
+                                    {{-0.2, 2.5, -0.2}, {4.2, 2.7, 5.2}},
+                                    {{-0.2, -0.1, -0.2}, {0, 2.6, 5.2}},
+                                    {{4, -0.1, -0.2}, {4.2, 2.6, 5.2}},
+                                    {{-0.1, -0.1, 5}, {4.1, 2.6, 5.2}},
+                                    {{-0.1, -0.1, -0.2}, {1, 2.6, 0}},
+                                    {{3, -0.1, -0.2}, {4.1, 2.6, 0}},
+                                    {{0.9, -0.1, -0.2}, {3.1, 0.8, 0}},
+                                    {{0.9, 2, -0.2}, {3.1, 2.6, 0}}})
+        solid(drawing, low, high - low);
+    drawing.face("glass", {{1, 0.8, -0.1}, {3, 0.8, -0.1}, {3, 2, -0.1}, {1, 2, -0.1}});
 }
 
 inline void solidGround(Drawing& drawing, bool looksIn = false) { // up to y = 0
