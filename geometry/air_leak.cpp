@@ -327,7 +327,7 @@ private:
                     p = a + placeOnSegment(middle, a, b) * (b - a);
         return std::ranges::none_of(near, [&](uint32_t t) {
             return std::ranges::find(triangles_[t].edges, edge) == triangles_[t].edges.end() &&
-                   distance(triangles_[t].shape, p) <= tolerance_;
+                   isOn(triangles_[t].shape, p, tolerance_);
         });
     }
 
@@ -341,8 +341,8 @@ private:
         const dvec3 off = (glm::dot(s.a - middle, m) * glm::cross(n, way) +
                            glm::dot(t.a - middle, n) * glm::cross(way, m)) /
                           square;
-        return glm::length(off) <= 2 * half && distance(s, middle + off) <= tolerance_ &&
-               distance(t, middle + off) <= tolerance_;
+        return glm::length(off) <= 2 * half && isOn(s, middle + off, tolerance_) &&
+               isOn(t, middle + off, tolerance_);
     }
 
     // Whether what lies between any two of the pieces is closed: the two sides of a wall.

@@ -47,4 +47,11 @@ inline double distance(const ShellTriangle& t, glm::dvec3 p) {
     return glm::length(nearestPoint(t, p) - p);
 }
 
+// Within `tolerance` of it: its box tells sooner where not.
+inline bool isOn(const ShellTriangle& t, glm::dvec3 p, double tolerance) {
+    const glm::dvec3 low = glm::min(glm::min(t.a, t.b), t.c), high = glm::max(glm::max(t.a, t.b), t.c);
+    return glm::all(glm::greaterThanEqual(p, low - tolerance)) &&
+           glm::all(glm::lessThanEqual(p, high + tolerance)) && distance(t, p) <= tolerance;
+}
+
 } // namespace heliodon::geometry
