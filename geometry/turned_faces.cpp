@@ -69,10 +69,14 @@ size_t turnAlike(std::vector<SoupFace>& faces, const std::function<bool(uint32_t
     if (opaque.size() == faces.size()) return 0;
     const std::vector<ClosedPiece> pieces = closedPieces(weldFaces(opaque, 1, tolerance, true));
     double parts = 0, mixed = 0;
-    for (const ClosedPiece& piece : pieces)
+    size_t closed = 0; // faces
+    for (const ClosedPiece& piece : pieces) {
+        closed += piece.faces.size();
         if (piece.turnedArea > 0 && !isTwoParts(piece)) parts += partTurned(piece), ++mixed;
+    }
     const bool atRandom = parts > kMostTurned * mixed,
                isRule = atRandom && mixed > kMostMixed * static_cast<double>(pieces.size());
+    if (atRandom && closed < opaque.size()) return 0; // which way open pieces look would stay unknown
     size_t count = 0;
     for (const ClosedPiece& piece : pieces) {
         if (isTwoParts(piece)) continue;
