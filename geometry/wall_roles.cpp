@@ -250,8 +250,7 @@ private:
     // stands beside it is outside.
     Beyond beyond(const std::vector<const PlanSolid*>& near, glm::dvec2 middle, glm::dvec2 p,
                   glm::dvec2 out) const {
-        if (std::ranges::any_of(spaces_.rooms, [&](const RoomPlan& room) { return contains(room, p); }))
-            return Beyond::room;
+        if (inRoom(p)) return Beyond::room;
         bool covered = false, beside = false;
         for (const PlanSolid* solid : near) {
             if (!contains(solid->outline, p)) continue;
@@ -260,6 +259,27 @@ private:
             (filling || contains(solid->outline, middle) ? covered : beside) = true;
         }
         return beside || !covered ? Beyond::outside : Beyond::covered;
+    }
+
+    bool inRoom(glm::dvec2 p) const {
+        return std::ranges::any_of(spaces_.rooms, [&](const RoomPlan& room) { return contains(room, p); });
+    }
+
+    // The parts of a stretch of the piece that are wall: where it runs on past another one by little it ends
+    // there, and the rest is air of a room.
+    std::vector<Stretch> standing(const WallPiece& piece, Stretch own) const {
+        std::vector<double> places;
+        for (const RoomPlan& room : spaces_.rooms)
+            for (const OutlineLoop& loop : room.loops)
+                for (const double toLeft : {-kBesideMiddle, kBesideMiddle})
+                    addCrossings(piece, toLeft, loop.points, places);
+        std::vector<Stretch> out;
+        divide(own, places, [&](Stretch part) {
+            const double at = (part.from + part.to) / 2;
+            const glm::dvec2 middle = middleAt(piece, at), beside = kBesideMiddle * leftAt(piece, at);
+            if (!inRoom(middle - beside) || !inRoom(middle + beside)) out.push_back(part);
+        });
+        return out;
     }
 
     std::vector<const PlanSolid*> solidsNear(size_t piece) const {
@@ -283,16 +303,19 @@ private:
             own = {std::max(own.from, 0.0), std::min(own.to, length)};
             if (own.length() <= 0) continue;
             const std::vector<const PlanSolid*> near = solidsNear(index);
-            const std::vector<Part> atLeft = sideOf(index, own, true, near);
-            for (const Part& right : sideOf(index, own, false, near))
-                for (const Part& left : atLeft) {
-                    const double common =
-                        std::min(right.on.to, left.on.to) - std::max(right.on.from, left.on.from);
-                    if (common <= 0 || (right.beyond != Beyond::room && left.beyond != Beyond::room))
-                        continue;
-                    (right.beyond == left.beyond ? both : one) += common;
-                    if (right.beyond == Beyond::outside || left.beyond == Beyond::outside) outside += common;
-                }
+            for (const Stretch& wall : standing(piece, own)) {
+                const std::vector<Part> atLeft = sideOf(index, wall, true, near);
+                for (const Part& right : sideOf(index, wall, false, near))
+                    for (const Part& left : atLeft) {
+                        const double common =
+                            std::min(right.on.to, left.on.to) - std::max(right.on.from, left.on.from);
+                        if (common <= 0 || (right.beyond != Beyond::room && left.beyond != Beyond::room))
+                            continue;
+                        (right.beyond == left.beyond ? both : one) += common;
+                        if (right.beyond == Beyond::outside || left.beyond == Beyond::outside)
+                            outside += common;
+                    }
+            }
         }
         if (2 * both + one < kLeast - kTie) return "outside_extra";
         return both > one + kTie || (both > kTie && outside < kLeast - kTie) ? "interior" : "exterior";

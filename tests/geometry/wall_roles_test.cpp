@@ -47,6 +47,20 @@ TEST(WallRoles, a_doubled_stub_within_a_room_is_an_interior_wall) {
     for (const char* id : {"s", "e", "n", "w"}) EXPECT_EQ(roleOf(report, id), "exterior") << id;
 }
 
+// It runs through the wall that it holds by little, and that end is no wall of the room.
+TEST(WallRoles, a_buttress_whose_end_stands_in_the_room_is_outside) {
+    for (const double end : {0.0, 0.19, 0.3, 0.5, 0.58}) {
+        Sketch s;
+        s.walls = {wall("s", {-8.1875, -6}, {8.1875, -6}), wall("e", {8, -6.1875}, {8, 6.1875}),
+                   wall("n", {8.1875, 6}, {-8.1875, 6}), wall("w", {-8, 6.1875}, {-8, -6.1875}),
+                   wall("buttress", {2, -6 + end}, {2, -8})};
+        const ClosureReport report = closeSketch(s).report;
+        EXPECT_NEAR(report.rooms[0].floorAreaFt2, 15.625 * 11.625, 1e-6) << end;
+        EXPECT_EQ(roleOf(report, "buttress"), "outside_extra") << end;
+        EXPECT_EQ(roleOf(report, "s"), "exterior") << end;
+    }
+}
+
 // Lengths along which rooms see them are about as long as what does not count.
 TEST(WallRoles, of_short_slanted_walls_do_not_turn_with_the_sketch) {
     for (const double slant : {15.0, 20.0, 45.0, 60.0, 80.0, 135.0})
