@@ -22,6 +22,7 @@ constexpr double kShortEdge = 0.12;  // inches: shorter steps are noise
 constexpr double kOvershoot = 0.4;   // inches: a wall that runs on past another one by less was to end there,
 constexpr double kThrough = 1.5;     // where this much of it is drawn, or in a corner twice what stands out
 constexpr double kCorner = 0.6;      // inches from a corner: what the ends of the walls that meet there leave
+constexpr double kHead = 1.0 / 3;    // of what stands out on both sides, on one: more is meant
 constexpr double kSharp = 2;         // times the thickness of walls: how long tips of corners may be
 constexpr double kSlant = 0.1;       // the sine of the angle between walls that are one side, or that meet
 constexpr double kSquare = 0.2;      // the cosine of the angle between a wall and its end
@@ -252,7 +253,8 @@ private:
             const int own = info(k).piece;
             if (glm::length(point(k) - corner) > near + kTouches) return false;
             if (k == last || own < 0) continue;
-            if (!(ofOneSide(own, a) || ofOneSide(own, b)) || glm::length(edge(k)) > lengthOf(own) / 2)
+            if (!(ofOneSide(own, a) || ofOneSide(own, b)) || glm::length(edge(k)) > lengthOf(own) / 2 ||
+                isHead(k, ofOneSide(own, a) ? b : a))
                 return false;
             if (glm::length(edge(k)) <= kOvershoot) continue;
             const glm::dvec2 on = ofOneSide(own, a) ? in : -out;
@@ -267,6 +269,13 @@ private:
         loop_.points[last % size()] = corner;
         erase(first, count - 1);
         return true;
+    }
+
+    // Whether edge k is of a wall that stands out on both sides of the one at whose end it lies, as the head of
+    // a T does.
+    bool isHead(size_t k, int stem) {
+        return !isEndOfWall(k) &&
+               glm::length(edge(k)) > kHead * (lengthOf(info(k).piece) - thicknessOf(stem));
     }
 
     // Drops corners and the edges that begin there.

@@ -243,3 +243,20 @@ TEST(Overshoot, of_a_short_wall_is_what_it_is_drawn_for) {
     corner.walls.push_back(wall("return", {-0.3, 0}, {-0.3 - 0.3, 0})); // out of the corner in the middle
     EXPECT_EQ(measured(corner).faces, measured(ell(0)).faces + 2);
 }
+
+// Heads of T-shaped piers, in the middle and a little to one side.
+TEST(Overshoot, short_walls_across_the_end_of_another_one_stay) {
+    for (const double thickness : {0.25, 0.375, 0.5})
+        for (const double length : {0.9, 1.0, 1.2, 1.4})
+            for (const double off : {0.0, 0.05}) {
+                Sketch s;
+                s.walls = {wall("w", {-8, 6}, {-8, -6}), wall("n", {-8, 6}, {8, 6}), wall("e", {8, 6}, {8, -6}),
+                           wall("s", {8, -6}, {-8, -6})};
+                const double room = measured(thick(s, thickness)).area, half = thickness / 2;
+                s.walls.push_back(wall("stem", {0, -6 + half}, {0, -4}));
+                s.walls.push_back(wall("head", {off - length / 2, -4 + half}, {off + length / 2, -4 + half}));
+                EXPECT_NEAR(measured(thick(s, thickness)).area,
+                            room - thickness * (2 - half) - thickness * length, 1e-6)
+                    << thickness << ' ' << length << ' ' << off;
+            }
+}
