@@ -339,16 +339,17 @@ bool openDoorsInCorners(PlanWalls& plan, const std::vector<RoomPlan>& rooms) {
 }
 
 void reachWalls(PlanWalls& plan) {
-    constexpr double kHair = 0.3;
+    constexpr double kHair = 0.3, kOnFace = 1e-6; // inches
     for (WallPiece& piece : plan.partitions) {
         if (piece.curved) continue;
         for (const bool atB : {false, true}) {
             const WallEnd end = wallEnd(piece, 0, atB);
+            const glm::dvec2 at = end.middle - kOnFace * end.out; // what lies on a face is not within
             const bool within = std::ranges::any_of(
-                plan.solids, [&](const PlanSolid& solid) { return contains(solid.outline, end.middle); });
+                plan.solids, [&](const PlanSolid& solid) { return contains(solid.outline, at); });
             if (within) continue; // on would be out again, into the next room
-            const double ahead = firstHit(plan.solids, end.middle, end.out, -2),
-                         behind = firstHit(plan.solids, end.middle, -end.out, -2);
+            const double ahead = firstHit(plan.solids, at, end.out, -2),
+                         behind = firstHit(plan.solids, at, -end.out, -2);
             glm::dvec2& moved = atB ? piece.b : piece.a;
             if (ahead < kHair)
                 moved += (ahead + piece.thickness / 2) * end.out;

@@ -8,6 +8,7 @@
 #include "tests/geometry/drawn_pieces.h"
 
 using namespace heliodon::geometry;
+using heliodon::test::turned;
 using heliodon::test::wall;
 
 namespace {
@@ -50,4 +51,16 @@ TEST(PlanOverlay, a_thousand_skylights_take_a_second_and_more_are_refused) {
     const ClosureReport refused = closeSketch(underSkylights(1001)).report;
     EXPECT_EQ(refused.code, "TOO_MANY_SKYLIGHTS");
     EXPECT_EQ(refused.message, "the sketch has 1001 skylights, at most 1000 are taken");
+}
+
+// On its very face, which rounding puts on either side of the end.
+TEST(PlanOverlay, a_partition_that_ends_at_a_thin_wall_does_not_reach_through_it) {
+    Sketch s = underSkylights(0);
+    s.walls.push_back(wall("thin", {0, -6}, {0, 2}));
+    s.walls.back().thickness = 0.25;
+    const double without = closeSketch(s).report.rooms[0].floorAreaFt2;
+    s.walls.push_back(wall("low", {0.125, -1}, {4, -1}, HeightClass::green));
+    for (double degrees = 0; degrees < 360; degrees += 7.3)
+        EXPECT_NEAR(closeSketch(turned(s, degrees)).report.rooms[0].floorAreaFt2, without - 3.875 * 0.375, 1e-6)
+            << degrees;
 }
