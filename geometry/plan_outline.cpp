@@ -3,16 +3,14 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <limits>
-#include <map>
 #include <optional>
 
 #include <glm/geometric.hpp>
 
 #include "geometry/perpendicular.h"
 #include "geometry/plan_curves.h"
+#include "geometry/plan_pinches.h"
 #include "geometry/plan_rooms.h"
-#include "geometry/segment_distance.h"
 
 namespace heliodon::geometry {
 
@@ -30,14 +28,9 @@ constexpr double kNarrowCrack = 0.5; // inches
 constexpr double kInLine = 1e-3;     // the sine of the angle between a straight wall and what goes on with it
 constexpr double kRound = 0.4;       // the same of a curved one, whose facets turn
 constexpr double kTouches = 1e-5;    // inches
-constexpr double kPinchGap = 0.01;   // inches between parts of outlines that do not follow one another
 constexpr double kMostCut = 0.45;    // of an edge, at a sharp corner
 constexpr double kOnLine = 1e-4;     // inches off the line between its neighbours: no corner
 constexpr double kStraightSine = 1.1e-5; // nor is one that turns by less
-
-bool beside(double a, double b, double c, double d) {
-    return std::max(a, b) < std::min(c, d) || std::max(c, d) < std::min(a, b);
-}
 
 // True when the two cross or touch.
 bool meet(glm::dvec2 a, glm::dvec2 b, glm::dvec2 c, glm::dvec2 d) {
@@ -271,8 +264,8 @@ private:
         return true;
     }
 
-    // Whether edge k is of a wall that stands out on both sides of the one at whose end it lies, as the head of
-    // a T does.
+    // Whether edge k is of a wall that stands out on both sides of the one at whose end it lies, as the head
+    // of a T does.
     bool isHead(size_t k, int stem) {
         return !isEndOfWall(k) &&
                glm::length(edge(k)) > kHead * (lengthOf(info(k).piece) - thicknessOf(stem));
@@ -345,102 +338,6 @@ double loopArea(const OutlineLoop& loop) {
     return sum;
 }
 
-// Corners of several outlines, by their place.
-class Crowd {
-public:
-    explicit Crowd(const std::vector<RoomPlan>& rooms) {
-        for (const RoomPlan& room : rooms)
-            for (const OutlineLoop& loop : room.loops)
-                for (const glm::dvec2 p : loop.points) ++count_[key(p)];
-    }
-    bool shares(glm::dvec2 p) const { return count_.at(key(p)) > 1; }
-
-private:
-    static std::pair<long long, long long> key(glm::dvec2 p) {
-        return {std::llround(p.x / kTouches), std::llround(p.y / kTouches)};
-    }
-    std::map<std::pair<long long, long long>, int> count_;
-};
-
-// From the nearest point of the room's outlines to corner i, but for the edges that meet there.
-glm::dvec2 nearestOffset(const std::vector<OutlineLoop>& loops, const OutlineLoop& own, size_t i) {
-    const glm::dvec2 p = own.points[i];
-    glm::dvec2 best(std::numeric_limits<double>::infinity());
-    for (const OutlineLoop& loop : loops)
-        for (size_t k = 0, n = loop.points.size(); k < n; ++k) {
-            if (&loop == &own && (k == i || (k + 1) % n == i)) continue;
-            const glm::dvec2 a = loop.points[k], b = loop.points[(k + 1) % n];
-            if (beside(a.x, b.x, p.x - kPinchGap, p.x + kPinchGap) ||
-                beside(a.y, b.y, p.y - kPinchGap, p.y + kPinchGap))
-                continue;
-            const glm::dvec2 d = b - a;
-            const double t = std::clamp(glm::dot(p - a, d) / glm::dot(d, d), 0.0, 1.0);
-            const glm::dvec2 offset = p - a - t * d;
-            if (glm::dot(offset, offset) < glm::dot(best, best)) best = offset;
-        }
-    return best;
-}
-
-glm::dvec2 unit(glm::dvec2 v) {
-    const double length = glm::length(v);
-    return length > 0 ? v / length : v;
-}
-
-glm::dvec2 inwardAt(const OutlineLoop& loop, size_t i) {
-    const size_t n = loop.points.size();
-    const glm::dvec2 p = loop.points[i], in = unit(p - loop.points[(i + n - 1) % n]),
-                     out = unit(loop.points[(i + 1) % n] - p), inward(-in.y - out.y, in.x + out.x);
-    return glm::length(inward) < 1e-6 ? in : glm::normalize(inward);
-}
-
-// Whether the room's air reaches corner i from direction d.
-bool airLies(glm::dvec2 d, const OutlineLoop& loop, size_t i) {
-    const size_t n = loop.points.size();
-    const glm::dvec2 back = loop.points[(i + n - 1) % n] - loop.points[i],
-                     on = loop.points[(i + 1) % n] - loop.points[i];
-    return cross(on, back) > 0 ? cross(on, d) > 0 && cross(d, back) > 0
-                               : !(cross(back, d) >= 0 && cross(d, on) >= 0);
-}
-
-// Whether the room's air passes between corner i and an edge of its own that touches it: a neck without
-// width.
-bool narrowsNeck(const std::vector<OutlineLoop>& loops, const OutlineLoop& own, size_t i) {
-    const glm::dvec2 p = own.points[i];
-    for (const OutlineLoop& loop : loops)
-        for (size_t k = 0, n = loop.points.size(); k < n; ++k) {
-            const glm::dvec2 a = loop.points[k], b = loop.points[(k + 1) % n];
-            if ((&loop == &own && (k == i || (k + 1) % n == i)) || distanceToSegment(p, a, b) >= kTouches)
-                continue;
-            const glm::dvec2 far = glm::length(a - p) > glm::length(b - p) ? a : b;
-            if (airLies(far - p, own, i)) return true;
-        }
-    return false;
-}
-
-// Corners that coincide, or lie on another edge, are drawn a hair into their own side's air, or back from it
-// where it narrows to nothing between them; those that are too near to one, away from it. True when any was.
-bool separatePinches(std::vector<RoomPlan>& rooms) {
-    const Crowd crowd(rooms);
-    bool any = false;
-    for (RoomPlan& room : rooms) {
-        const std::vector<OutlineLoop> before = room.loops;
-        for (size_t l = 0; l < before.size(); ++l)
-            for (size_t i = 0; i < before[l].points.size(); ++i) {
-                const glm::dvec2 offset = nearestOffset(before, before[l], i);
-                const double apart = glm::length(offset);
-                glm::dvec2 move{0};
-                if (apart < kTouches || crowd.shares(before[l].points[i]))
-                    move =
-                        (narrowsNeck(before, before[l], i) ? -kPinchGap : kPinchGap) * inwardAt(before[l], i);
-                else if (apart < 0.9 * kPinchGap)
-                    move = (kPinchGap - apart) / apart * offset;
-                room.loops[l].points[i] += move;
-                any = any || move != glm::dvec2(0);
-            }
-    }
-    return any;
-}
-
 // Corners at which nothing but the height of the wall changes lie exactly on the line, so that walls are
 // flat.
 void straighten(OutlineLoop& loop) {
@@ -492,8 +389,7 @@ void cleanOutlines(const PlanWalls& plan, PlanRooms& found) {
         clean(plan, found.rooms, room.loops);
         evenFacets(plan, room.loops);
     }
-    for (int round = 0; round < 4 && separatePinches(found.rooms); ++round) {
-    }
+    separatePinches(found.rooms);
     std::erase_if(found.rooms, [](const RoomPlan& room) { return room.loops.empty(); });
     for (RoomPlan& room : found.rooms) {
         for (OutlineLoop& loop : room.loops) {

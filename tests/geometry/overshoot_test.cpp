@@ -250,8 +250,8 @@ TEST(Overshoot, short_walls_across_the_end_of_another_one_stay) {
         for (const double length : {0.9, 1.0, 1.2, 1.4})
             for (const double off : {0.0, 0.05}) {
                 Sketch s;
-                s.walls = {wall("w", {-8, 6}, {-8, -6}), wall("n", {-8, 6}, {8, 6}), wall("e", {8, 6}, {8, -6}),
-                           wall("s", {8, -6}, {-8, -6})};
+                s.walls = {wall("w", {-8, 6}, {-8, -6}), wall("n", {-8, 6}, {8, 6}),
+                           wall("e", {8, 6}, {8, -6}), wall("s", {8, -6}, {-8, -6})};
                 const double room = measured(thick(s, thickness)).area, half = thickness / 2;
                 s.walls.push_back(wall("stem", {0, -6 + half}, {0, -4}));
                 s.walls.push_back(wall("head", {off - length / 2, -4 + half}, {off + length / 2, -4 + half}));

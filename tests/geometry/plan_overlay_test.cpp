@@ -61,6 +61,7 @@ TEST(PlanOverlay, a_partition_that_ends_at_a_thin_wall_does_not_reach_through_it
     const double without = closeSketch(s).report.rooms[0].floorAreaFt2;
     s.walls.push_back(wall("low", {0.125, -1}, {4, -1}, HeightClass::green));
     for (double degrees = 0; degrees < 360; degrees += 7.3)
-        EXPECT_NEAR(closeSketch(turned(s, degrees)).report.rooms[0].floorAreaFt2, without - 3.875 * 0.375, 1e-6)
+        EXPECT_NEAR(closeSketch(turned(s, degrees)).report.rooms[0].floorAreaFt2, without - 3.875 * 0.375,
+                    1e-6)
             << degrees;
 }
