@@ -1,14 +1,14 @@
 #include "geometry/sheet_bodies.h"
 
 #include <algorithm>
-#include <cmath>
+#include <array>
 #include <functional>
 #include <map>
 
-#include "geometry/box_tree.h"
 #include "geometry/disjoint_sets.h"
 #include "geometry/flat_faces.h"
 #include "geometry/outline_area.h"
+#include "geometry/sheet_walls.h"
 #include "geometry/shell_faces.h"
 #include "geometry/space_sheets.h"
 
@@ -19,25 +19,12 @@ namespace {
 constexpr double kOpposite = 0.9; // least cosine between planes
 constexpr size_t kMostShared = 1; // edges with what is no sheet: more has the last face of a broken body
 
-// Of the faces those that have another one before or behind their middle.
-std::set<uint32_t> opposed(const std::vector<FlatFace>& faces, double within, double tolerance) {
-    const std::vector<Bounds> boxes = boxesOf(faces, tolerance);
-    const BoxTree tree(boxes);
-    std::set<uint32_t> out;
-    for (const FlatFace& face : faces)
-        for (const double side : {1.0, -1.0}) {
-            const glm::dvec3 way = side * face.normal,
-                             from = largestTriangle(face).middle() + 2 * tolerance * way;
-            if (tree.anyAlong(from, way, within, [&](uint32_t i) {
-                    return std::abs(glm::dot(faces[i].normal, way)) > kOpposite &&
-                           std::ranges::any_of(faces[i].triangles, [&](const ShellTriangle& t) {
-                               const auto at = distanceTo(t, from, way);
-                               return at && *at <= within;
-                           });
-                }))
-                out.insert(face.face);
-        }
-    return out;
+// Before or behind its middle.
+bool hasOpposite(const FlatFace& face, const SheetWalls& sheets, double within, double tolerance) {
+    const glm::dvec3 middle = largestTriangle(face).middle();
+    return std::ranges::any_of(std::array{face.normal, -face.normal}, [&](glm::dvec3 way) {
+        return sheets.nearest(middle + 2 * tolerance * way, way, within, kOpposite) <= within;
+    });
 }
 
 } // namespace
@@ -72,11 +59,16 @@ bool areOfBody(const std::vector<SoupFace>& drawn, const std::set<uint32_t>& she
         }
     std::set<uint32_t> mayBeSides; // roots: pictures that hang before a partition are none
     for (const uint32_t f : attached) mayBeSides.insert(wholes.root(f));
-    std::vector<FlatFace> flat = flatFacesOf(welded);
-    std::erase_if(flat, [&](const FlatFace& face) {
-        return !isSheet(face.face) || face.triangles.empty() || !mayBeSides.contains(wholes.root(face.face));
-    });
-    const std::set<uint32_t> sides = opposed(flat, thickest, tolerance);
+    const auto mayBeSide = [&](uint32_t f) { return isSheet(f) && mayBeSides.contains(wholes.root(f)); };
+    std::vector<SoupFace> ofThese;
+    for (uint32_t f = 0; f < welded.faces.size(); ++f)
+        if (mayBeSide(f)) ofThese.push_back(drawn[welded.faces[f].surface]);
+    const SheetWalls opposite(ofThese, tolerance);
+    std::set<uint32_t> sides;
+    for (const FlatFace& face : flatFacesOf(welded))
+        if (mayBeSide(face.face) && !face.triangles.empty() &&
+            hasOpposite(face, opposite, thickest, tolerance))
+            sides.insert(face.face);
     std::map<uint32_t, size_t> shared;
     for (const auto& [edge, around] : edges) {
         if (std::ranges::all_of(around, isSheet, &Beside::face)) continue;
