@@ -5,6 +5,7 @@
 #include <numbers>
 #include <optional>
 #include <ranges>
+#include <span>
 
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
@@ -146,7 +147,8 @@ private:
             const WallPiece& other = plan_.pieces[static_cast<size_t>(solid.piece)];
             if (!other.curved && std::abs(cross(e.out, glm::normalize(other.b - other.a))) <= kParallelSine)
                 return false;
-            return contains(solid.outline, e.middle) || firstHit({solid}, e.middle, -e.out, -2) <= kJustOut;
+            return contains(solid.outline, e.middle) ||
+                   firstHit({&solid, 1}, e.middle, -e.out, -2) <= kJustOut;
         });
     }
 
@@ -174,7 +176,7 @@ private:
         int hit = -1;
         const double t = firstHit(physical_, e.middle, e.out, e.piece, &hit);
         if (t > width_ || endsInWall(e)) return;
-        const std::vector<PlanSolid> target{physical_[static_cast<size_t>(hit)]};
+        const std::span target(&physical_[static_cast<size_t>(hit)], 1);
         const auto reach = [&](glm::dvec2 corner) {
             const double own = firstHit(target, corner, e.out, -2);
             return corner + ((own < t + 2 * thickness(e) ? own : t) + 0.02) * e.out;

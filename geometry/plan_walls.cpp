@@ -382,7 +382,7 @@ bool touches(const std::vector<PlanSolid>& solids, const WallEnd& end) {
     });
 }
 
-double firstHit(const std::vector<PlanSolid>& solids, glm::dvec2 origin, glm::dvec2 direction, int except,
+double firstHit(std::span<const PlanSolid> solids, glm::dvec2 origin, glm::dvec2 direction, int except,
                 int* hit) {
     double nearest = std::numeric_limits<double>::infinity();
     for (size_t s = 0; s < solids.size(); ++s) {

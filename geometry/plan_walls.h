@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -106,7 +107,7 @@ WallEnd wallEnd(const WallPiece& piece, int index, bool atB);
 bool touches(const std::vector<PlanSolid>& solids, const WallEnd& end);
 
 // Distance along the ray to the first solid other than `except`, or infinity; `hit` names the solid.
-double firstHit(const std::vector<PlanSolid>& solids, glm::dvec2 origin, glm::dvec2 direction, int except,
+double firstHit(std::span<const PlanSolid> solids, glm::dvec2 origin, glm::dvec2 direction, int except,
                 int* hit = nullptr);
 
 } // namespace heliodon::geometry
