@@ -13,8 +13,6 @@
 
 namespace heliodon::geometry {
 
-constexpr double kHeadroom = 2; // metres of the building
-
 // Square metres of the building.
 struct Air {
     double free = 0; // with headroom

@@ -7,6 +7,7 @@
 #include <glm/geometric.hpp>
 
 #include "geometry/disjoint_sets.h"
+#include "geometry/floors.h"
 
 namespace heliodon::geometry {
 
@@ -86,8 +87,8 @@ Decks::Decks(const PatchMesh& mesh, std::vector<size_t> patches, double scale)
     for (const size_t i : patches_) level.push_back(levelOf[i]);
     DisjointSets joined(levels.size());
     for (size_t k = 0; k < patches_.size() && levels.size() > 1; ++k)
-        forNear(k, kStep * scale_, [&](size_t other, double rise) {
-            if (std::abs(rise) <= kStep * scale_) joined.join(level[k], level[other]);
+        forNear(k, kFloorStep * scale_, [&](size_t other, double rise) {
+            if (std::abs(rise) <= kFloorStep * scale_) joined.join(level[k], level[other]);
         });
     std::map<uint32_t, uint32_t> deckOf; // by root
     for (uint32_t l = 0; l < levels.size(); ++l) {
@@ -135,7 +136,7 @@ double Decks::heightNear(size_t k, double x, double z) const {
 template<class Ask> void Decks::forNear(size_t k, double depth, const Ask& ask) const {
     const double touch = kTouch * scale_;
     const Bounds& box = boxes_[k];
-    tree_.anyHolding(box.high + glm::dvec3(touch, kStep * scale_, touch),
+    tree_.anyHolding(box.high + glm::dvec3(touch, kFloorStep * scale_, touch),
                      box.low - glm::dvec3(touch, depth, touch), [&](uint32_t other) {
                          if (!areNear(k, other)) return false;
                          const Bounds& o = boxes_[other];

@@ -14,8 +14,6 @@
 
 namespace heliodon::geometry {
 
-constexpr double kStep = 0.25; // metres of the building, that one goes up or down in one
-
 // Patches that hang together by their edges.
 struct Level {
     std::vector<size_t> patches;

@@ -151,7 +151,7 @@ private:
     bool isStage(Deck& deck, bool orTerraces) {
         const double metre = scale_, square = scale_ * scale_;
         const auto isAsHighAs = [&](const Deck& other) {
-            return std::abs(deck.low() - other.low()) <= kStep * metre;
+            return std::abs(deck.low() - other.low()) <= kFloorStep * metre;
         };
         if (isAsHighAs(*first_) || (isAsHighAs(*main_) && walls(deck) > 0)) return true;
         if (deck.area < kFloor.area * square) return false;
@@ -216,25 +216,36 @@ private:
         return walls(deck) >= kOneWall || is(deck, kNoTable) || is(deck, kNoLongTable);
     }
 
+    using Border = std::pair<uint32_t, uint32_t>; // edge, the vertex that comes first first
+
+    // Whether something goes up from it.
+    bool hasWall(const Border& edge) {
+        if (!risen_) risen_ = risenEdges();
+        return risen_->contains(edge);
+    }
+
+    std::set<Border> risenEdges() const {
+        std::set<Border> risen;
+        for (size_t i = 0; i < mesh_.patchCount(); ++i) {
+            if (patchNormal(mesh_, i).y > kWalkable) continue;
+            const double middle = patchCentroid(mesh_, i).y;
+            const auto corner = mesh_.patch(i);
+            for (size_t c = 0; c < corner.size(); ++c) {
+                const Border edge = std::minmax(corner[c], corner[(c + 1) % corner.size()]);
+                if (middle > 0.5 * (mesh_.vertices[edge.first].y + mesh_.vertices[edge.second].y))
+                    risen.insert(edge);
+            }
+        }
+        return risen;
+    }
+
     // Share of the border from which something goes up.
     double walls(const Deck& deck) {
-        if (risen_.empty())
-            for (size_t i = 0; i < mesh_.patchCount(); ++i) {
-                if (patchNormal(mesh_, i).y > kWalkable) continue;
-                const double middle = patchCentroid(mesh_, i).y;
-                const auto corner = mesh_.patch(i);
-                for (size_t c = 0; c < corner.size(); ++c) {
-                    const std::pair<uint32_t, uint32_t> edge =
-                        std::minmax(corner[c], corner[(c + 1) % corner.size()]);
-                    if (middle > 0.5 * (mesh_.vertices[edge.first].y + mesh_.vertices[edge.second].y))
-                        risen_.insert(edge);
-                }
-            }
         double up = 0, all = 0;
         for (const Level& level : deck.levels) {
             all += level.perimeter;
             for (const auto& edge : level.border)
-                if (risen_.contains(edge))
+                if (hasWall(edge))
                     up += glm::distance(mesh_.vertices[edge.first], mesh_.vertices[edge.second]);
         }
         return up / all;
@@ -248,7 +259,7 @@ private:
         for (const auto& [a, b] : level.border) loops.join(a, b);
         std::set<uint32_t> outer; // loops with walls
         for (const auto& edge : level.border)
-            if (risen_.contains(edge)) outer.insert(loops.root(edge.first));
+            if (hasWall(edge)) outer.insert(loops.root(edge.first));
         const auto isInHole = [&](const Deck& below) {
             const glm::dvec3 p = patchCentroid(mesh_, below.largest().patches[0]);
             std::map<uint32_t, bool> holds; // by how often a line from p crosses the loop
@@ -295,7 +306,7 @@ private:
     const PatchMesh& mesh_;
     double scale_; // world metres a metre of building
     AirOverPatches air_;
-    std::set<std::pair<uint32_t, uint32_t>> risen_; // edges from which something goes up
+    std::optional<std::set<Border>> risen_; // see hasWall()
     Floors out_;
     // Of one room:
     std::optional<Decks> decks_;
@@ -316,20 +327,6 @@ Shells::Shells(const PatchMesh& mesh)
 
 Floors findFloors(const PatchMesh& mesh, double worldPerBuilding) {
     return FloorFinder(mesh, worldPerBuilding).find();
-}
-
-double heightAt(const PatchMesh& mesh, size_t patch, double x, double z, double slack) {
-    const auto corners = mesh.patch(patch);
-    const glm::dvec3 normal = patchNormal(mesh, patch);
-    const double sign = normal.y > 0 ? 1 : -1;
-    for (size_t k = 0; k < corners.size(); ++k) {
-        const glm::dvec3 a = mesh.vertices[corners[k]], b = mesh.vertices[corners[(k + 1) % corners.size()]];
-        // Seen from above x is right and z down: counter-clockwise about +y.
-        const double side = (b.z - a.z) * (x - a.x) - (b.x - a.x) * (z - a.z);
-        if (sign * side < -slack) return std::nan("");
-    }
-    const glm::dvec3 p = mesh.vertices[corners[0]];
-    return p.y - (normal.x * (x - p.x) + normal.z * (z - p.z)) / normal.y;
 }
 
 } // namespace heliodon::geometry

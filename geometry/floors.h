@@ -10,6 +10,9 @@
 
 namespace heliodon::geometry {
 
+// Metres of the building: that one goes up or down in one, and to stand in.
+constexpr double kFloorStep = 0.25, kHeadroom = 2;
+
 // Surfaces that hang together by their corners.
 class Shells {
 public:
@@ -37,7 +40,8 @@ struct Floors {
 // within a step of 0.25 m (of the building, of which one metre is `worldPerBuilding` in the mesh). So the
 // tops of tables, partitions and shelves are none, while those of stairs and low platforms are.
 // - The lowest deck of 1.5 m2, 0.6 m wide, with 2 m of air over it; the lowest of all where none is.
-// - Main floors over pits: larger than all floor below, or all round it with nothing beneath, as round a pool;
+// - Main floors over pits: larger than all floor below, or all round it with nothing beneath, as round a
+// pool;
 //   6 m2, 0.9 m wide, walls along 40 % of their border.
 //   So are all that lie at one height if they are 1.25 times as large, with walls along 52 %; where these
 //   have less than 6 m2 they are undecided.
@@ -49,9 +53,5 @@ struct Floors {
 //   Without stairs this is undecided, but for small stages that are as low and small as beds, or stand free
 //   and are no wider than tables.
 Floors findFloors(const PatchMesh& mesh, double worldPerBuilding = 1);
-
-// Height at which a vertical line crosses a patch that is not upright; NaN beside it. `slack`: twice the area
-// by which the line may pass outside of an edge.
-double heightAt(const PatchMesh& mesh, size_t patch, double x, double z, double slack);
 
 } // namespace heliodon::geometry

@@ -1,5 +1,7 @@
 #include "geometry/patch_mesh.h"
 
+#include <cmath>
+
 #include <glm/geometric.hpp>
 
 #include "geometry/outline_area.h"
@@ -49,6 +51,20 @@ glm::dvec3 patchCentroid(const PatchMesh& mesh, size_t patch) {
         weight += twiceArea;
     }
     return weight > 0 ? origin + sum / weight : origin;
+}
+
+double heightAt(const PatchMesh& mesh, size_t patch, double x, double z, double slack) {
+    const auto corners = mesh.patch(patch);
+    const glm::dvec3 normal = patchNormal(mesh, patch);
+    const double sign = normal.y > 0 ? 1 : -1;
+    for (size_t k = 0; k < corners.size(); ++k) {
+        const glm::dvec3 a = mesh.vertices[corners[k]], b = mesh.vertices[corners[(k + 1) % corners.size()]];
+        // Seen from above x is right and z down: counter-clockwise about +y.
+        const double side = (b.z - a.z) * (x - a.x) - (b.x - a.x) * (z - a.z);
+        if (sign * side < -slack) return std::nan("");
+    }
+    const glm::dvec3 p = mesh.vertices[corners[0]];
+    return p.y - (normal.x * (x - p.x) + normal.z * (z - p.z)) / normal.y;
 }
 
 } // namespace heliodon::geometry

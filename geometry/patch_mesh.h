@@ -79,4 +79,8 @@ double patchArea(const PatchMesh& mesh, size_t patch);
 glm::dvec3 patchNormal(const PatchMesh& mesh, size_t patch);
 glm::dvec3 patchCentroid(const PatchMesh& mesh, size_t patch);
 
+// Height at which a vertical line crosses a patch that is not upright; NaN beside it. `slack`: twice the area
+// by which the line may pass outside of an edge.
+double heightAt(const PatchMesh& mesh, size_t patch, double x, double z, double slack);
+
 } // namespace heliodon::geometry

@@ -19,9 +19,8 @@ namespace heliodon::app {
 namespace {
 
 // Building metres: what looks up so far above the rest of its room is a floor of its own, and upper floor
-// (geometry/floors.h) that lies so far above the last.
-constexpr double kApart = 2.4, kHeadroom = 2;
-constexpr double kStep = 0.25;
+// (geometry/floors.h) that lies a person's height above the last.
+constexpr double kApart = 2.4;
 constexpr double kOnFloor = 1e-6; // world metres below a floor that a sensor on it may be by rounding
 
 struct Level {
@@ -45,7 +44,7 @@ std::vector<Level> levelsOf(const geometry::PatchMesh& mesh, double worldPerBuil
         std::ranges::sort(patches);
         double first = 0, last = -1e300;
         for (const auto& [height, patch] : patches) {
-            const bool begins = isUpper[patch] && height - first > kHeadroom * worldPerBuilding;
+            const bool begins = isUpper[patch] && height - first > geometry::kHeadroom * worldPerBuilding;
             if (height - last > kApart * worldPerBuilding || begins)
                 levels.push_back({{}, isUpper[patch]}), first = height;
             levels.back().patches.push_back(patch), last = height;
@@ -55,7 +54,7 @@ std::vector<Level> levelsOf(const geometry::PatchMesh& mesh, double worldPerBuil
     const auto height = [&](size_t i) { return geometry::patchCentroid(mesh, i).y; };
     for (Level& level : levels) {
         const auto [low, high] = std::ranges::minmax_element(level.walked, {}, height);
-        if (!level.walked.empty() && height(*high) - height(*low) <= kStep * worldPerBuilding)
+        if (!level.walked.empty() && height(*high) - height(*low) <= geometry::kFloorStep * worldPerBuilding)
             level.walked.clear();
     }
     return levels;
