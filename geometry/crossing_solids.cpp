@@ -40,8 +40,8 @@ constexpr int kSteps = 12;              // along each axis of its box, to find t
 class SolidUniter {
 public:
     SolidUniter(const std::vector<SoupFace>& faces, const std::function<bool(uint32_t)>& isGlass,
-                double tolerance)
-        : given_(faces), isGlass_(isGlass), tolerance_(tolerance) {
+                double tolerance, const std::set<uint32_t>& boards)
+        : given_(faces), isGlass_(isGlass), boards_(boards), tolerance_(tolerance) {
         faces_ = flatFacesOf(unwelded(faces));
         findBodies(weldedByNumber(faces, tolerance));
         if (solids_.empty()) return; // nothing to meet
@@ -134,11 +134,19 @@ private:
     }
 
     // What hangs together by edges: where more than two faces meet in one, each with the next in the file, as
-    // bodies are written one after another.
+    // bodies are written one after another. Sheets of one board are not: they hang together elsewhere.
     DisjointSets hangingTogether(const Building& welded) const {
         DisjointSets sets(welded.faces.size());
+        auto edges = facesOfEdges(welded);
+        for (const auto& [edge, faces] : edges)
+            if (faces.size() == 2) sets.join(faces[0], faces[1]);
         const auto place = [&](uint32_t f) { return given_[welded.faces[f].surface].surface; };
-        for (auto& [edge, faces] : facesOfEdges(welded)) {
+        const auto isBoard = [&](uint32_t f) { return boards_.contains(place(f)); };
+        for (auto& [edge, faces] : edges) {
+            std::map<uint32_t, size_t> ofBoards; // per root
+            for (const uint32_t f : faces)
+                if (isBoard(f)) ++ofBoards[sets.root(f)];
+            std::erase_if(faces, [&](uint32_t f) { return isBoard(f) && ofBoards.at(sets.root(f)) > 1; });
             std::ranges::sort(faces, {}, place);
             for (size_t k = 1; k < faces.size(); k += 2) sets.join(faces[k - 1], faces[k]);
         }
@@ -445,6 +453,7 @@ private:
 
     const std::vector<SoupFace>& given_;
     const std::function<bool(uint32_t)>& isGlass_;
+    const std::set<uint32_t>& boards_;
     double tolerance_;
     std::vector<FlatFace> faces_; // surface: the number among those given
     std::vector<uint32_t> body_;  // per flat face
@@ -461,10 +470,10 @@ private:
 
 std::optional<UnitedSolids> uniteSolids(const std::vector<SoupFace>& faces,
                                         const std::function<bool(uint32_t)>& isGlass, Solids which,
-                                        double tolerance) {
+                                        double tolerance, const std::set<uint32_t>& boards) {
     if (std::ranges::none_of(faces, [&](const SoupFace& face) { return isGlass(face.material); }))
         return std::nullopt;
-    return SolidUniter(faces, isGlass, tolerance).unite(which);
+    return SolidUniter(faces, isGlass, tolerance, boards).unite(which);
 }
 
 std::vector<std::string> warningsOf(const UnitedSolids& united, Solids which,

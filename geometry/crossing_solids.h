@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -28,11 +29,11 @@ struct UnitedSolids {
 // (geometry/sheet_rooms), as cupboards sunk into floors, these have the rest of the air. None where no two
 // meet and none does that, more than 500 do, or nothing has glass (`isGlass` of a material): then they may be
 // rooms. Where bodies share edges, faces near one another in the file
-// (SoupFace::surface) are one's. Corners are one within `tolerance` (metres). Cost: n log n, and faces times
-// those of others that they meet.
+// (SoupFace::surface) are one's, and those of `boards` (by that) the one's of which they are elsewhere.
+// Corners are one within `tolerance` (metres). Cost: n log n, and faces times those of others that they meet.
 std::optional<UnitedSolids> uniteSolids(const std::vector<SoupFace>& faces,
                                         const std::function<bool(uint32_t)>& isGlass, Solids which,
-                                        double tolerance);
+                                        double tolerance, const std::set<uint32_t>& boards = {});
 
 // One sentence each. `place`: how a message names a face.
 std::vector<std::string> warningsOf(const UnitedSolids& united, Solids which,

@@ -32,7 +32,9 @@ bool isCutBy(const FlatFace& convex, const FlatFace& other, double tolerance) {
             else if (height < 0)
                 return false;
         }
-        return (to - from) * glm::length(along) > 4 * tolerance; // more than both edges' margins at a corner
+        // More than both edges' margins at a corner, or all of a small piece.
+        const double enough = from <= 0 && to >= 1 ? 1 : 4;
+        return (to - from) * glm::length(along) > enough * tolerance;
     });
 }
 

@@ -248,7 +248,8 @@ private:
 
     // False where there are none.
     bool unite(Solids which) {
-        const auto united = uniteSolids(faces_.soup, reading_.isGlass(), which, reading_.tolerance());
+        const auto united =
+            uniteSolids(faces_.soup, reading_.isGlass(), which, reading_.tolerance(), faces_.boards);
         if (!united) return false;
         faces_.soup = united->faces;
         faces_.outside.insert(faces_.outside.end(), united->beyond.begin(), united->beyond.end());
