@@ -7,7 +7,6 @@
 
 #include <glm/geometric.hpp>
 
-#include "geometry/disjoint_sets.h"
 #include "geometry/flat_faces.h"
 #include "geometry/outline_area.h"
 #include "geometry/shell_faces.h"
@@ -53,12 +52,27 @@ std::optional<ClosedPiece> closedPiece(const Building& sheets, const std::vector
 
 } // namespace
 
-std::vector<ClosedPiece> closedPieces(const Building& sheets) {
-    DisjointSets sets(sheets.faces.size());
-    for (auto& [edge, around] : facesOfEdges(sheets)) {
-        std::ranges::sort(around, {}, [&](uint32_t f) { return sheets.faces[f].surface; });
+DisjointSets hangingTogether(const Building& welded, const std::function<uint32_t(uint32_t)>& place,
+                             const std::function<bool(uint32_t)>& isOfBoard) {
+    DisjointSets sets(welded.faces.size());
+    auto edges = facesOfEdges(welded);
+    for (const auto& [edge, around] : edges)
+        if (around.size() == 2) sets.join(around[0], around[1]);
+    for (auto& [edge, around] : edges) {
+        if (around.size() <= 2) continue;
+        std::map<uint32_t, size_t> ofBoards; // per root
+        for (const uint32_t f : around)
+            if (isOfBoard(f)) ++ofBoards[sets.root(f)];
+        std::erase_if(around, [&](uint32_t f) { return isOfBoard(f) && ofBoards.at(sets.root(f)) > 1; });
+        std::ranges::sort(around, {}, place);
         for (size_t k = 1; k < around.size(); k += 2) sets.join(around[k - 1], around[k]);
     }
+    return sets;
+}
+
+std::vector<ClosedPiece> closedPieces(const Building& sheets) {
+    DisjointSets sets = hangingTogether(
+        sheets, [&](uint32_t f) { return sheets.faces[f].surface; }, [](uint32_t) { return false; });
     std::map<uint32_t, std::vector<uint32_t>> wholes;
     for (uint32_t f = 0; f < sheets.faces.size(); ++f) wholes[sets.root(f)].push_back(f);
     std::vector<ClosedPiece> out;

@@ -2,12 +2,19 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 #include "geometry/building.h"
+#include "geometry/disjoint_sets.h"
 #include "geometry/ray_triangle.h"
 
 namespace heliodon::geometry {
+
+// Faces by common edges: where more than two meet in one, each with the next one by its place in the file, as
+// bodies are written one after another. Those of boards made of sheets are not: of these, each with its own.
+DisjointSets hangingTogether(const Building& welded, const std::function<uint32_t(uint32_t)>& place,
+                             const std::function<bool(uint32_t)>& isOfBoard);
 
 struct ClosedPiece {
     std::vector<uint32_t> faces;          // Face::surface of each
@@ -18,8 +25,8 @@ struct ClosedPiece {
     double area = 0, turnedArea = 0;      // square metres: of all, and of those turned
 };
 
-// Of sheets (weldFaces()); where more than two faces meet in an edge each hangs together with the next one by
-// Face::surface, as bodies are written one after another. Pieces where that leaves such edges are none.
+// Of sheets (weldFaces()), by hangingTogether(). Pieces where that leaves edges of more than two faces are
+// none.
 std::vector<ClosedPiece> closedPieces(const Building& sheets);
 
 } // namespace heliodon::geometry

@@ -13,6 +13,7 @@
 #include <fmt/format.h>
 
 #include "geometry/box_tree.h"
+#include "geometry/closed_pieces.h"
 #include "geometry/counted.h"
 #include "geometry/disjoint_sets.h"
 #include "geometry/face_crossing.h"
@@ -40,8 +41,9 @@ constexpr int kSteps = 12;              // along each axis of its box, to find t
 class SolidUniter {
 public:
     SolidUniter(const std::vector<SoupFace>& faces, const std::function<bool(uint32_t)>& isGlass,
-                double tolerance, const std::set<uint32_t>& boards)
-        : given_(faces), isGlass_(isGlass), boards_(boards), tolerance_(tolerance) {
+                double tolerance, double rounding, const std::set<uint32_t>& boards)
+        : given_(faces), isGlass_(isGlass), boards_(boards), tolerance_(tolerance),
+          told_(std::max(tolerance, rounding)) {
         faces_ = flatFacesOf(unwelded(faces));
         findBodies(weldedByNumber(faces, tolerance));
         if (solids_.empty()) return; // nothing to meet
@@ -55,9 +57,9 @@ public:
         UnitedSolids out;
         findMeeting(which, out);
         findThrough(out);
-        if (solids_.size() == 1 && out.through > 0) straighten();
-        if (meets_.size() + through_.size() > kMostSolids || out.solids + out.through == 0)
-            return std::nullopt;
+        if (solids_.size() == 1 && !through_.empty()) straighten();
+        const size_t all = meets_.size() + through_.size();
+        if (all > kMostSolids || all == 0) return std::nullopt;
         std::vector<bool> isCut(given_.size(), false);
         const auto add = [&](uint32_t k, const std::vector<FlatFace>& pieces, std::vector<SoupFace>& to) {
             for (const FlatFace& piece : pieces) {
@@ -133,28 +135,10 @@ private:
                                    [&](dvec3 p) { return std::abs(plane.height(p)) <= tolerance_; });
     }
 
-    // What hangs together by edges: where more than two faces meet in one, each with the next in the file, as
-    // bodies are written one after another. Sheets of one board are not: they hang together elsewhere.
-    DisjointSets hangingTogether(const Building& welded) const {
-        DisjointSets sets(welded.faces.size());
-        auto edges = facesOfEdges(welded);
-        for (const auto& [edge, faces] : edges)
-            if (faces.size() == 2) sets.join(faces[0], faces[1]);
-        const auto place = [&](uint32_t f) { return given_[welded.faces[f].surface].surface; };
-        const auto isBoard = [&](uint32_t f) { return boards_.contains(place(f)); };
-        for (auto& [edge, faces] : edges) {
-            std::map<uint32_t, size_t> ofBoards; // per root
-            for (const uint32_t f : faces)
-                if (isBoard(f)) ++ofBoards[sets.root(f)];
-            std::erase_if(faces, [&](uint32_t f) { return isBoard(f) && ofBoards.at(sets.root(f)) > 1; });
-            std::ranges::sort(faces, {}, place);
-            for (size_t k = 1; k < faces.size(); k += 2) sets.join(faces[k - 1], faces[k]);
-        }
-        return sets;
-    }
-
     void findBodies(const Building& welded) {
-        DisjointSets sets = hangingTogether(welded);
+        const auto place = [&](uint32_t f) { return given_[welded.faces[f].surface].surface; };
+        DisjointSets sets =
+            hangingTogether(welded, place, [&](uint32_t f) { return boards_.contains(place(f)); });
         std::map<uint32_t, Body> bodies; // by root
         std::vector<uint32_t> bodyOf(given_.size(), kNone);
         for (const Face& face : welded.faces) {
@@ -262,16 +246,22 @@ private:
     }
 
     void findMeeting(Solids which, UnitedSolids& out) {
-        for (uint32_t k = 0; k < faces_.size(); ++k)
-            if (solids_.contains(body_[k]) && !meets_.contains(body_[k]))
-                anyOfAnother(faces_[k], body_[k], [&](uint32_t i) {
-                    if (which == Solids::thatCross && !facesCross(faces_[k], faces_[i], tolerance_))
-                        return false;
-                    if (meets_.empty()) out.surface = given_[faces_[k].surface].surface;
-                    meets_.insert(body_[k]), meets_.insert(body_[i]);
-                    return true;
-                });
-        out.solids = static_cast<uint32_t>(meets_.size());
+        const auto bodiesThat = [&](Solids meet, double tolerance) {
+            std::set<uint32_t> bodies;
+            for (uint32_t k = 0; k < faces_.size(); ++k)
+                if (solids_.contains(body_[k]) && !bodies.contains(body_[k]))
+                    anyOfAnother(faces_[k], body_[k], [&](uint32_t i) {
+                        if (meet == Solids::thatCross && !facesCross(faces_[k], faces_[i], tolerance))
+                            return false;
+                        if (bodies.empty()) out.surface = given_[faces_[k].surface].surface;
+                        bodies.insert(body_[k]), bodies.insert(body_[i]);
+                        return true;
+                    });
+            return bodies;
+        };
+        meets_ = bodiesThat(which, tolerance_);
+        out.solids = static_cast<uint32_t>(
+            (told_ > tolerance_ ? bodiesThat(Solids::thatCross, told_) : meets_).size());
     }
 
     bool isSheet(uint32_t k) const {
@@ -302,12 +292,15 @@ private:
         for (size_t k = 0; k < given_.size(); ++k)
             if (!isOfSolid[k]) sheets.push_back(given_[k]);
         rooms_.emplace(sheets, isGlass_, tolerance_);
+        std::set<uint32_t> told;
         for (const uint32_t k : crossing) {
-            if (through_.contains(body_[k]) || !rooms_->areCrossedBy(faces_[k])) continue;
-            if (through_.empty()) out.surfaceThrough = given_[faces_[k].surface].surface;
+            if (told.contains(body_[k]) || !rooms_->areCrossedBy(faces_[k], tolerance_)) continue;
             through_.insert(body_[k]);
+            if (told_ > tolerance_ && !rooms_->areCrossedBy(faces_[k], told_)) continue;
+            if (told.empty()) out.surfaceThrough = given_[faces_[k].surface].surface;
+            told.insert(body_[k]);
         }
-        out.through = static_cast<uint32_t>(through_.size());
+        out.through = static_cast<uint32_t>(told.size());
         findIndoor();
     }
 
@@ -454,7 +447,7 @@ private:
     const std::vector<SoupFace>& given_;
     const std::function<bool(uint32_t)>& isGlass_;
     const std::set<uint32_t>& boards_;
-    double tolerance_;
+    double tolerance_, told_;     // the latter: of what runs no farther into others nothing is said
     std::vector<FlatFace> faces_; // surface: the number among those given
     std::vector<uint32_t> body_;  // per flat face
     std::map<uint32_t, Solid> solids_;
@@ -470,10 +463,10 @@ private:
 
 std::optional<UnitedSolids> uniteSolids(const std::vector<SoupFace>& faces,
                                         const std::function<bool(uint32_t)>& isGlass, Solids which,
-                                        double tolerance, const std::set<uint32_t>& boards) {
+                                        double tolerance, double rounding, const std::set<uint32_t>& boards) {
     if (std::ranges::none_of(faces, [&](const SoupFace& face) { return isGlass(face.material); }))
         return std::nullopt;
-    return SolidUniter(faces, isGlass, tolerance, boards).unite(which);
+    return SolidUniter(faces, isGlass, tolerance, rounding, boards).unite(which);
 }
 
 std::vector<std::string> warningsOf(const UnitedSolids& united, Solids which,

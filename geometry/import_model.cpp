@@ -139,22 +139,24 @@ private:
             return std::nullopt;
         };
         const bool cross = unite(Solids::thatCross);
+        const bool byRounding = cross && faces_.warnings.size() == drawn.warnings.size();
         if (auto made = attempt()) return std::move(*made);
         faces_ = drawn;
-        if (unite(Solids::thatMeet))
+        if (unite(Solids::thatMeet, byRounding))
             if (auto made = attempt()) return std::move(*made);
         if (doubtful) return std::move(*doubtful);
         faces_ = drawn;
         if (cross) {
-            faces_.warnings.emplace_back(
-                "solids run into one another, and were not united, as no room was left: what "
-                "runs into walls is not seen in rooms");
+            if (!byRounding)
+                faces_.warnings.emplace_back(
+                    "solids run into one another, and were not united, as no room was left: what "
+                    "runs into walls is not seen in rooms");
             auto made = attempt();
             if (!made) made = std::move(doubtful);
             if (made && areBoardsSeen(boards, *made, reading_.tolerance())) return std::move(*made);
         }
         if (!faces_.folded.empty()) throw InputError(foldError(*faces_.folded.begin()), doubtsOfGlass());
-        unite(Solids::thatMeet);
+        unite(Solids::thatMeet, byRounding);
         if (!whyNoPane && isOfWallsAlone()) // what is wrong with glass says more
             throw InputError(reading_.model.file, "",
                              "encloses no room: all that is closed is as thin as walls and slabs, and they "
@@ -246,10 +248,10 @@ private:
                          }));
     }
 
-    // False where there are none.
-    bool unite(Solids which) {
-        const auto united =
-            uniteSolids(faces_.soup, reading_.isGlass(), which, reading_.tolerance(), faces_.boards);
+    // False where there are none. `byRounding`: nothing is said of what may meet others by that alone.
+    bool unite(Solids which, bool byRounding = true) {
+        const auto united = uniteSolids(faces_.soup, reading_.isGlass(), which, reading_.tolerance(),
+                                        byRounding ? kRoundingApart.back() * rounding() : 0, faces_.boards);
         if (!united) return false;
         faces_.soup = united->faces;
         faces_.outside.insert(faces_.outside.end(), united->beyond.begin(), united->beyond.end());

@@ -26,7 +26,7 @@ std::vector<Bounds> boxesOf(const std::vector<FlatFace>& faces) {
 
 SheetRooms::SheetRooms(const std::vector<SoupFace>& sheets, const std::function<bool(uint32_t)>& isGlass,
                        double tolerance)
-    : tolerance_(tolerance), tree_({}) {
+    : tree_({}) {
     auto space = partsOfSpace(sheets, isGlass, tolerance);
     const auto any = [](uint32_t) { return false; }; // panes in holes of solids hang open, too
     const auto closed = space ? std::nullopt : openSheets(sheets, any, tolerance);
@@ -43,9 +43,9 @@ bool SheetRooms::enclose(glm::dvec3 p) const {
     return std::ranges::any_of(rooms_, [&](const TriangleRays& room) { return room.enclose(p); });
 }
 
-bool SheetRooms::areCrossedBy(const FlatFace& face) const {
+bool SheetRooms::areCrossedBy(const FlatFace& face, double tolerance) const {
     return tree_.anyHolding(face.box.high, face.box.low,
-                            [&](uint32_t i) { return facesCross(face, walls_[i], tolerance_); });
+                            [&](uint32_t i) { return facesCross(face, walls_[i], tolerance); });
 }
 
 } // namespace heliodon::geometry

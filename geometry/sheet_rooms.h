@@ -22,11 +22,10 @@ public:
     SheetRooms& operator=(const SheetRooms&) = delete;
 
     bool enclose(glm::dvec3 p) const;
-    // Whether the face crosses an opaque one of theirs.
-    bool areCrossedBy(const FlatFace& face) const;
+    // Whether the face crosses an opaque one of theirs by more than `tolerance` (metres).
+    bool areCrossedBy(const FlatFace& face, double tolerance) const;
 
 private:
-    double tolerance_;
     std::vector<FlatFace> walls_; // opaque
     std::vector<Bounds> boxes_;
     BoxTree tree_;

@@ -85,6 +85,26 @@ TEST(LastDecimal, furniture_stands_on_floors_within_it) {
     EXPECT_GE(told, 4); // others close as they are
 }
 
+// Against a wall, or 5 mm sunk into it: only that is said.
+TEST(LastDecimal, furniture_runs_into_walls_that_it_is_drawn_into) {
+    for (int k = 1; k < 30; ++k)
+        for (const bool sunk : {false, true}) {
+            SCOPED_TRACE(testing::Message() << k << ' ' << sunk);
+            Rounded model(0.05 * k, 1e-4);
+            model.room();
+            model.solid({sunk ? -0.005 : 0, 1.4, 1}, {0.4, 0.6, 0.7});
+            model.solid({sunk ? 3.6 : 3.595, 0, 3}, {0.405, 2, 0.6});
+            const Building building = model.read();
+            EXPECT_NEAR(volume(meshBuilding(building, {300})),
+                        50 - 0.6 * 0.7 * (sunk ? 0.395 : 0.4) - 2 * 0.6 * (sunk ? 0.4 : 0.405), 3e-3);
+            EXPECT_EQ(std::ranges::any_of(building.warnings,
+                                          [](const std::string& warning) {
+                                              return warning.find(" through walls") != std::string::npos;
+                                          }),
+                      sunk);
+        }
+}
+
 TEST(LastDecimal, gaps_that_are_wider_stay_open) {
     for (const auto& [step, gap] : {std::pair(1e-3, 0.004), {1e-4, 0.001}}) {
         Rounded model(0.3, step);
