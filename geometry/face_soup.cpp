@@ -5,11 +5,14 @@
 #include <iterator>
 #include <limits>
 #include <map>
+#include <optional>
 #include <unordered_map>
+#include <utility>
 
 #include <glm/geometric.hpp>
 
 #include "geometry/box_tree.h"
+#include "geometry/kept.h"
 #include "geometry/mesh_domains.h"
 #include "geometry/twin_faces.h"
 
@@ -23,11 +26,13 @@ public:
     Welder(std::vector<glm::dvec3>& points, double tolerance) : points_(points), tolerance_(tolerance) {}
 
     uint32_t index(glm::dvec3 p, uint32_t room) {
-        const glm::dvec3 cell = glm::floor(p / (2 * tolerance_));
-        for (int dx = -1; dx <= 1; ++dx)
-            for (int dy = -1; dy <= 1; ++dy)
-                for (int dz = -1; dz <= 1; ++dz) {
-                    const auto [first, last] = cells_.equal_range(key(cell + glm::dvec3(dx, dy, dz), room));
+        constexpr double kReach = 0.51; // of a cell: some more than the tolerance
+        const glm::dvec3 at = p / (2 * tolerance_), low = glm::floor(at - kReach),
+                         high = glm::floor(at + kReach);
+        for (double x = low.x; x <= high.x; ++x)
+            for (double y = low.y; y <= high.y; ++y)
+                for (double z = low.z; z <= high.z; ++z) {
+                    const auto [first, last] = cells_.equal_range(key({x, y, z}, room));
                     for (auto it = first; it != last; ++it)
                         if (rooms_[it->second] == room && glm::length(points_[it->second] - p) <= tolerance_)
                             return it->second;
@@ -35,7 +40,7 @@ public:
         const auto id = static_cast<uint32_t>(points_.size());
         points_.push_back(p);
         rooms_.push_back(room);
-        cells_.emplace(key(cell, room), id);
+        cells_.emplace(key(glm::floor(at), room), id);
         return id;
     }
 
@@ -122,16 +127,20 @@ private:
     }
 
     void findWithoutOpposite() {
-        std::map<Edge, int> count;
+        std::vector<Edge> edges; // each as often as it is run along
         for (const Face& face : building_.faces)
             for (const auto& loop : face.loops)
-                for (size_t i = 0; i < loop.size(); ++i) ++count[{loop[i], loop[(i + 1) % loop.size()]}];
+                for (size_t i = 0; i < loop.size(); ++i)
+                    edges.emplace_back(loop[i], loop[(i + 1) % loop.size()]);
+        std::ranges::sort(edges);
         loose_.clear();
         corners_.clear();
-        for (const auto& [edge, n] : count) {
-            const auto opposite = count.find({edge.second, edge.first});
-            if (opposite != count.end() && opposite->second == n) continue;
-            loose_.emplace(edge, std::vector<uint32_t>());
+        const auto times = [&](const Edge& edge) { return std::ranges::equal_range(edges, edge).size(); };
+        for (size_t k = 0; k < edges.size(); ++k) {
+            const Edge edge = edges[k];
+            if (k > 0 && edges[k - 1] == edge) continue;
+            if (times(edge) == times({edge.second, edge.first})) continue;
+            loose_.emplace_hint(loose_.end(), edge, std::vector<uint32_t>());
             corners_.push_back(edge.first);
             corners_.push_back(edge.second);
         }
@@ -139,15 +148,17 @@ private:
 
     bool splitOnce() {
         bool any = false;
+        const glm::dvec3 margin(2 * tolerance_);
         std::vector<Bounds> places;
-        for (const uint32_t v : corners_) places.push_back({building_.vertices[v], building_.vertices[v]});
+        for (const uint32_t v : corners_)
+            places.push_back({building_.vertices[v] - margin, building_.vertices[v] + margin});
         const BoxTree near(places);
         for (auto& [edge, inner] : loose_) {
             const glm::dvec3 a = building_.vertices[edge.first], b = building_.vertices[edge.second];
             const double length = glm::length(b - a);
             const glm::dvec3 direction = (b - a) / length;
             std::vector<std::pair<double, uint32_t>> found;
-            near.anyHolding(glm::max(a, b) + tolerance_, glm::min(a, b) - tolerance_, [&](uint32_t i) {
+            near.anyAlong(a, b - a, 1, [&](uint32_t i) {
                 const uint32_t v = corners_[i];
                 const glm::dvec3 p = building_.vertices[v];
                 const double t = glm::dot(p - a, direction);
@@ -259,26 +270,15 @@ bool shareTwinCorners(Building& building, double tolerance) {
     return any;
 }
 
-} // namespace
-
-std::vector<std::array<double, 3>> sortedCorners(const SoupFace& face) {
-    std::vector<std::array<double, 3>> corners;
-    for (const auto& loop : face.loops)
-        for (const glm::dvec3 p : loop) corners.push_back({p.x, p.y, p.z});
-    std::ranges::sort(corners);
-    return corners;
-}
-
-Building weldFaces(const std::vector<SoupFace>& soup, uint32_t roomCount, double tolerance, bool sheets) {
+// Face::surface: its place among those given.
+Building weldAnew(const std::vector<SoupFace>& soup, uint32_t roomCount, double tolerance, bool sheets) {
     Building building;
     building.roomCount = roomCount;
     Welder welder(building.vertices, tolerance);
     std::map<int, std::vector<uint32_t>> pieces;
     for (const SoupFace& in : soup) {
         Face face;
-        face.material = in.material;
-        face.role = in.role;
-        face.surface = in.surface;
+        face.surface = static_cast<uint32_t>(&in - soup.data());
         face.room = in.room;
         for (size_t l = 0; l < in.loops.size(); ++l) {
             std::vector<uint32_t> loop;
@@ -299,6 +299,49 @@ Building weldFaces(const std::vector<SoupFace>& soup, uint32_t roomCount, double
     for (int round = 0; round < 4 && shareTwinCorners(building, tolerance); ++round)
         EdgeSplitter(building, tolerance).split();
     return building;
+}
+
+thread_local std::optional<Kept<Building>> memory;
+
+// Of all that says where corners and edges are.
+std::vector<double> keyOf(const std::vector<SoupFace>& soup, uint32_t roomCount, double tolerance,
+                          bool sheets) {
+    std::vector<double> key{tolerance, static_cast<double>(roomCount), sheets ? 1.0 : 0.0};
+    for (const SoupFace& face : soup) {
+        key.insert(key.end(), {static_cast<double>(face.room), static_cast<double>(face.twinKey)});
+        addOutline(key, face.loops);
+    }
+    return key;
+}
+
+} // namespace
+
+std::vector<std::array<double, 3>> sortedCorners(const SoupFace& face) {
+    std::vector<std::array<double, 3>> corners;
+    for (const auto& loop : face.loops)
+        for (const glm::dvec3 p : loop) corners.push_back({p.x, p.y, p.z});
+    std::ranges::sort(corners);
+    return corners;
+}
+
+Building weldFaces(const std::vector<SoupFace>& soup, uint32_t roomCount, double tolerance, bool sheets) {
+    const auto weld = [&] { return weldAnew(soup, roomCount, tolerance, sheets); };
+    Building out = memory ? memory->get(keyOf(soup, roomCount, tolerance, sheets), weld) : weld();
+    for (Face& face : out.faces) {
+        const SoupFace& in = soup[face.surface];
+        face.material = in.material;
+        face.role = in.role;
+        face.surface = in.surface;
+    }
+    return out;
+}
+
+WeldMemory::WeldMemory() {
+    memory.emplace();
+}
+
+WeldMemory::~WeldMemory() {
+    memory.reset();
 }
 
 Building weldedByNumber(std::vector<SoupFace> faces, double tolerance) {

@@ -32,6 +32,15 @@ std::vector<std::array<double, 3>> sortedCorners(const SoupFace& face);
 Building weldFaces(const std::vector<SoupFace>& soup, uint32_t roomCount, double tolerance,
                    bool sheets = false);
 
+// While one lives, what the thread welded last is kept, and the same faces, to the bit, are not welded again.
+class WeldMemory {
+public:
+    WeldMemory();
+    ~WeldMemory();
+    WeldMemory(const WeldMemory&) = delete;
+    WeldMemory& operator=(const WeldMemory&) = delete;
+};
+
 // The same as sheets of one room, each face's `surface` its place among those given.
 Building weldedByNumber(std::vector<SoupFace> faces, double tolerance);
 

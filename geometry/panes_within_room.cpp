@@ -92,6 +92,8 @@ std::vector<std::vector<uint32_t>> panesOf(const std::vector<SoupFace>& soup,
 std::optional<PanesWithinRoom> panesWithinRoom(const std::vector<SoupFace>& soup,
                                                const std::function<bool(uint32_t)>& isGlass,
                                                double tolerance) {
+    if (std::ranges::none_of(soup, [&](const SoupFace& face) { return isGlass(face.material); }))
+        return std::nullopt;
     const auto [surfaces, covered] = glassWithin(soup, isGlass, tolerance);
     if (covered) return PanesWithinRoom{.covered = covered};
     if (surfaces.empty()) return std::nullopt;

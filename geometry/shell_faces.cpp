@@ -154,11 +154,14 @@ ShellFaces openFaces(const Building& building, const std::map<Edge, std::vector<
 } // namespace
 
 std::map<Edge, std::vector<uint32_t>> facesOfEdges(const Building& building) {
-    std::map<Edge, std::vector<uint32_t>> out;
+    std::vector<std::pair<Edge, uint32_t>> all;
     for (uint32_t f = 0; f < building.faces.size(); ++f)
         for (const auto& loop : building.faces[f].loops)
             for (size_t i = 0; i < loop.size(); ++i)
-                out[std::minmax(loop[i], loop[(i + 1) % loop.size()])].push_back(f);
+                all.emplace_back(std::minmax(loop[i], loop[(i + 1) % loop.size()]), f);
+    std::ranges::sort(all); // far sooner than the map would
+    std::map<Edge, std::vector<uint32_t>> out;
+    for (const auto& [edge, f] : all) out.try_emplace(out.end(), edge)->second.push_back(f);
     return out;
 }
 

@@ -5,8 +5,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstring>
-#include <deque>
 #include <map>
 #include <optional>
 #include <set>
@@ -18,6 +16,7 @@
 #include "geometry/box_tree.h"
 #include "geometry/disjoint_sets.h"
 #include "geometry/flat_faces.h"
+#include "geometry/kept.h"
 #include "geometry/key_hash.h"
 #include "geometry/outline_area.h"
 #include "geometry/perpendicular.h"
@@ -331,51 +330,7 @@ private:
     std::vector<Sheet> sheets_;
 };
 
-// What was made of the last few things.
-template<class Made> class Kept {
-public:
-    template<class Make> Made get(std::vector<double> key, Make make) {
-        for (const auto& [known, made] : last_)
-            if (known.size() == key.size() &&
-                std::memcmp(known.data(), key.data(), key.size() * sizeof(double)) == 0)
-                return made;
-        Made made = make();
-        if (last_.size() == kMost) last_.pop_front();
-        last_.emplace_back(std::move(key), made);
-        return made;
-    }
-
-private:
-    static constexpr size_t kMost = 3;
-    std::deque<std::pair<std::vector<double>, Made>> last_;
-};
-
-struct Memory {
-    Kept<std::vector<Sheet>> cut;
-    Kept<Building> welded;
-};
-
-thread_local std::optional<Memory> memory;
-
-double twinKeyOf(const SoupFace& face) { // what is welded with others beside its place
-    return face.twinKey;
-}
-
-double twinKeyOf(const Sheet&) {
-    return -1;
-}
-
-template<class Outlined> std::vector<double> keyOf(const std::vector<Outlined>& all, double tolerance) {
-    std::vector<double> key{tolerance};
-    for (const Outlined& one : all) {
-        key.insert(key.end(), {twinKeyOf(one), static_cast<double>(one.loops.size())});
-        for (const auto& loop : one.loops) {
-            key.push_back(static_cast<double>(loop.size()));
-            for (const dvec3& p : loop) key.insert(key.end(), {p.x, p.y, p.z});
-        }
-    }
-    return key;
-}
+thread_local std::optional<Kept<std::vector<Sheet>>> memory;
 
 } // namespace
 
@@ -390,7 +345,12 @@ SheetMemory::~SheetMemory() {
 std::vector<Sheet> cutIntoSheets(const std::vector<SoupFace>& faces, double tolerance) {
     const auto cut = [&] { return SheetCutter(faces, tolerance).cut(); };
     if (!memory) return cut();
-    return memory->cut.get(keyOf(faces, tolerance), cut);
+    std::vector<double> key{tolerance};
+    for (const SoupFace& face : faces) {
+        key.push_back(face.twinKey); // what is welded with others beside its place
+        addOutline(key, face.loops);
+    }
+    return memory->get(std::move(key), cut);
 }
 
 SoupFace pieceOf(const SoupFace& face, const Sheet& sheet, size_t turned) {
@@ -401,18 +361,14 @@ SoupFace pieceOf(const SoupFace& face, const Sheet& sheet, size_t turned) {
 }
 
 Building weldSheets(const std::vector<Sheet>& sheets, double tolerance) {
-    const auto weld = [&] {
-        std::vector<SoupFace> soup;
-        for (size_t s = 0; s < sheets.size(); ++s) {
-            SoupFace face;
-            face.loops = sheets[s].loops;
-            face.surface = static_cast<uint32_t>(s);
-            soup.push_back(std::move(face));
-        }
-        return weldFaces(soup, 1, tolerance, true);
-    };
-    if (!memory) return weld();
-    return memory->welded.get(keyOf(sheets, tolerance), weld);
+    std::vector<SoupFace> soup;
+    for (size_t s = 0; s < sheets.size(); ++s) {
+        SoupFace face;
+        face.loops = sheets[s].loops;
+        face.surface = static_cast<uint32_t>(s);
+        soup.push_back(std::move(face));
+    }
+    return weldFaces(soup, 1, tolerance, true);
 }
 
 } // namespace heliodon::geometry

@@ -28,13 +28,16 @@ SoupFace pieceOf(const SoupFace& face, const Sheet& sheet, size_t turned);
 Building weldSheets(const std::vector<Sheet>& sheets, double tolerance);
 
 // While one lives, what the thread cut and welded last is kept: where every attempt at a model is refused,
-// its faces are asked for again and again. The same faces, to the bit, give the same sheets.
+// its faces are asked for again and again. The same faces, to the bit, give the same sheets. At most one.
 class SheetMemory {
 public:
     SheetMemory();
     ~SheetMemory();
     SheetMemory(const SheetMemory&) = delete;
     SheetMemory& operator=(const SheetMemory&) = delete;
+
+private:
+    WeldMemory welded_;
 };
 
 } // namespace heliodon::geometry

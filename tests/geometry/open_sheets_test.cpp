@@ -526,4 +526,27 @@ TEST(SheetMemory, keeps_sheets_of_the_same_faces_alone) {
         }
 }
 
+// Of what it keeps only the places: materials and numbers are those asked with, tolerances and rooms count.
+TEST(WeldMemory, answers_with_what_is_given) {
+    std::vector<SoupFace> faces(3);
+    faces[0].loops = {{{0, 0, 0}, {0, 0, 0}, {1, 0, 0}}}; // vanishes
+    faces[1].loops = {{{0, 0, 0}, {0, 0, 4}, {4, 0, 4}, {4, 0, 0}}};
+    faces[2].loops = {{{4 + 1e-4, 0, 0}, {4, 0, 4}, {4, 1, 4}, {4, 1, 0}}};
+    const WeldMemory memory;
+    for (uint32_t k = 0; k < 4; ++k) {
+        for (uint32_t f = 0; f < 3; ++f) faces[f].material = 10 * f + k, faces[f].surface = 100 - 10 * f + k;
+        for (const double tolerance : {1e-6, 1e-3})
+            for (const uint32_t other : {0u, 1u}) {
+                faces[2].room = other;
+                const Building welded = weldFaces(faces, 2, tolerance, true);
+                ASSERT_EQ(welded.faces.size(), 2u);
+                EXPECT_EQ(welded.faces[0].material, 10 + k);
+                EXPECT_EQ(welded.faces[1].material, 20 + k);
+                EXPECT_EQ(welded.faces[1].surface, 80 + k);
+                EXPECT_EQ(welded.faces[1].room, other);
+                EXPECT_EQ(welded.vertices.size(), other == 1 ? 9u : tolerance > 1e-4 ? 7u : 8u);
+            }
+    }
+}
+
 } // namespace heliodon::geometry
