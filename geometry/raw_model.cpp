@@ -1,6 +1,7 @@
 #include "geometry/raw_model.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <set>
@@ -125,8 +126,15 @@ std::string RawModel::doWithoutNamed(const InputError& error) const {
 std::vector<std::vector<uint32_t>> RawModel::loops(size_t i) const {
     const std::vector<uint32_t> whole(face(i).begin(), face(i).end());
     if (whole.size() == 3) return {whole};
+    std::map<std::array<double, 3>, uint32_t> places; // some programs write a corner each time it is run by
+    std::vector<uint32_t> merged;
+    for (const uint32_t v : whole) {
+        const glm::dvec3& p = vertices[v];
+        merged.push_back(places.try_emplace({p.x, p.y, p.z}, v).first->second);
+    }
+    if (places.size() == whole.size()) return {whole};
     std::set<std::pair<uint32_t, uint32_t>> edges;
-    for (size_t k = 0; k < whole.size(); ++k) edges.emplace(whole[k], whole[(k + 1) % whole.size()]);
+    for (size_t k = 0; k < whole.size(); ++k) edges.emplace(merged[k], merged[(k + 1) % whole.size()]);
     std::map<uint32_t, uint32_t> next;
     size_t kept = 0;
     for (const auto& [a, b] : edges)
