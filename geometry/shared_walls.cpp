@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <map>
 #include <optional>
 #include <set>
@@ -83,6 +84,11 @@ public:
             if (space_.drawn[k].sheets > 1) meeting.insert(k);
         out.repairs = repairs(shared, meeting.size());
         out.warnings = rooms_.warnings;
+        if (!overturned_.empty())
+            out.warnings.push_back(fmt::format(
+                "faces of different materials lie on one another in {} between two rooms and look "
+                "the same way: each room sees the one that is beside its others in the file",
+                counted(overturned_.size(), "place")));
         out.unseen.assign(unseen_.begin(), unseen_.end());
         out.outside = weldFaces(outside, 1, tolerance_);
         out.sheets = openAmong(out.sheets, tolerance_);
@@ -124,6 +130,12 @@ private:
         const auto looksOther = [&](uint32_t k, uint32_t other) {
             return faces_[k].material != faces_[other].material || faces_[k].role != faces_[other].role;
         };
+        if (turned.empty() && list.size() == 2 && looksOther(list[0], list[1]) && rivals(list[0], list[1]) &&
+            rivals(list[1], list[0]) && rooms_.room.contains(beyond))
+            if (const auto own = besideOthersOf(id, beyond, list[0], list[1])) {
+                overturned_.insert(f);
+                return *own;
+            }
         if (isOfBeyond(f, side, &list == &sheet.drawn[0] ? 0 : 1)) return wallAmong(list, id);
         const uint32_t best = *std::ranges::min_element(list, {}, rank);
         if (!rooms_.room.contains(beyond) && !turned.empty()) {
@@ -145,6 +157,25 @@ private:
             covered_.insert(f);
         }
         return best;
+    }
+
+    // Of two faces in one place, drawn for two parts, where one is turned over: the one that is the part's,
+    // as next to it in the file are others of that part. None where that says nothing.
+    std::optional<uint32_t> besideOthersOf(uint32_t part, uint32_t beyond, uint32_t one, uint32_t other) {
+        if (partOf_.empty())
+            for (uint32_t k = 0; k < faces_.size(); ++k) {
+                std::set<uint32_t> parts = space_.drawn[k].borders.value_or(std::set<uint32_t>());
+                std::erase_if(parts, [&](uint32_t id) { return !rooms_.room.contains(id); });
+                if (parts.size() == 1) partOf_[faces_[k].surface] = *parts.begin();
+            }
+        const auto lean = [&](uint32_t k) {
+            const auto says = [&](uint32_t id) { return id == part ? 1 : id == beyond ? -1 : 0; };
+            const auto after = partOf_.lower_bound(faces_[k].surface);
+            return (after == partOf_.end() ? 0 : says(after->second)) +
+                   (after == partOf_.begin() ? 0 : says(std::prev(after)->second));
+        };
+        if (lean(one) == lean(other)) return std::nullopt;
+        return lean(one) > lean(other) ? one : other;
     }
 
     // Where a sheet's faces that look this way are the only ones, or both rooms' own: whether the room on the
@@ -240,8 +271,10 @@ private:
     double tolerance_;
     const SpaceParts& space_;
     const RoomParts& rooms_;
-    std::set<uint32_t> covered_; // sheets of different materials of which the smaller is seen
-    std::set<uint32_t> unseen_;  // given faces, as SharedWalls has them
+    std::set<uint32_t> covered_;          // sheets of different materials of which the smaller is seen
+    std::set<uint32_t> unseen_;           // given faces, as SharedWalls has them
+    std::set<uint32_t> overturned_;       // sheets of which one face of two is turned over
+    std::map<uint32_t, uint32_t> partOf_; // of faces (SoupFace::surface) that one room alone has
     // Faces of one material that hang together in their plane; by their roots the areas, of each part and
     // all.
     std::optional<DisjointSets> wholes_;

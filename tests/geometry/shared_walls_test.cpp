@@ -125,6 +125,27 @@ TEST(SharedWalls, each_room_gets_the_side_that_was_drawn_for_it) {
         }
 }
 
+// Both look the same way then: the file has each among the others of its room.
+TEST(SharedWalls, each_room_gets_its_side_where_one_is_turned_over) {
+    for (const char* turned : {"A", "B"})
+        for (const bool outwards : {false, true}) {
+            Model model = twoRooms(5);
+            if (outwards) reverse(model);
+            for (Drawn& face : model)
+                if (face.material == turned &&
+                    std::ranges::all_of(face.corners, [](dvec3 p) { return p.z == 4; }))
+                    std::ranges::reverse(face.corners);
+            const Building building = imported(model);
+            expectVolumes(building, {60, 75});
+            auto area = sharedArea(building);
+            EXPECT_NEAR((area[{-1, "A"}]), 15, 1e-6) << turned << outwards;
+            EXPECT_NEAR((area[{1, "B"}]), 15, 1e-6) << turned << outwards;
+            EXPECT_TRUE(std::ranges::any_of(building.warnings, [](const std::string& warning) {
+                return warning.find("look the same way") != std::string::npos;
+            }));
+        }
+}
+
 TEST(SharedWalls, a_sheet_drawn_once_is_seen_by_both) {
     Model model = twoRooms(5);
     std::erase_if(model, [](const Drawn& face) {
