@@ -68,20 +68,30 @@ private:
             for (Deck& deck : above)
                 if (!deck.isFloor) judge(deck);
         }
-        std::set<size_t> isUpper;
+        std::set<size_t> isElsewhere; // than among the lowest
         std::vector<const Level*> upper;
         for (const Deck& deck : decks)
-            for (const Level& level : deck.levels)
-                if (deck.isFloor && (deck.isUpper || isOverFloor(deck, level))) {
-                    upper.push_back(&level);
-                    isUpper.insert(level.patches.begin(), level.patches.end());
-                }
+            for (const Level& level : deck.levels) {
+                if (!deck.isFloor) continue;
+                const bool isNone = isShelf(deck, level);
+                if (!isNone && !deck.isUpper && !isOverFloor(deck, level)) continue;
+                if (!isNone) upper.push_back(&level);
+                isElsewhere.insert(level.patches.begin(), level.patches.end());
+            }
         for (size_t k = 0; k < decks_->patches().size(); ++k)
-            if (const size_t i = decks_->patches()[k]; decks_->of(k).isFloor && !isUpper.contains(i))
+            if (const size_t i = decks_->patches()[k]; decks_->of(k).isFloor && !isElsewhere.contains(i))
                 out_.lowest.push_back(i);
         std::ranges::stable_sort(upper, {}, [](const Level* level) { return level->low; });
         for (const Level* level : upper)
             out_.upper.insert(out_.upper.end(), level->patches.begin(), level->patches.end());
+    }
+
+    // The lowest of a bookcase, a step above the floor that goes on under it.
+    bool isShelf(const Deck& deck, const Level& level) {
+        const double square = scale_ * scale_;
+        if (level.low <= deck.low() + kSame * scale_ || level.area >= kFloor.area * square) return false;
+        const Air air = air_.of(level.patches, level.area);
+        return 2 * air.over * square > level.area && 2 * air.free * square < level.area;
     }
 
     // Of a deck to parts of which stairs lead.

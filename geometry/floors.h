@@ -38,7 +38,8 @@ struct Floors {
 // Floor is what one can walk on: level faces, and ramps up to 14 degrees, of the shell that encloses a room
 // (things that stand free in it have no floor), as decks: what hangs together by its edges or lies beside it
 // within a step of 0.25 m (of the building, of which one metre is `worldPerBuilding` in the mesh). So the
-// tops of tables, partitions and shelves are none, while those of stairs and low platforms are.
+// tops of tables, partitions and shelves are none (a bookcase's lowest, too, over floor and without
+// headroom), while those of stairs and low platforms are.
 // - The lowest deck of 1.5 m2, 0.6 m wide, with 2 m of air over it; the lowest of all where none is.
 // - Main floors over pits: larger than all floor below, or all round it with nothing beneath, as round a
 // pool;

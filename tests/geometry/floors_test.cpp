@@ -140,6 +140,14 @@ TEST(Floors, tops_of_what_stands_on_the_floor_are_none) {
     }
 }
 
+// The floor goes on under it; its lowest shelf lies within a step of that.
+TEST(Floors, the_lowest_shelf_of_a_bookcase_is_none) {
+    BoxModel model(2.8);
+    for (const double y : {0.05, 0.45, 0.85}) model.add({1, y, 0}, {2.2, y + 0.02, 0.4});
+    EXPECT_NEAR(areasOf(model).lowest, 30, 1e-9);
+    EXPECT_NEAR(areasOf(model, 1 / 12.0).lowest, 30, 1e-9);
+}
+
 TEST(Floors, a_large_terrace_without_air_beneath_is_floor_and_so_is_a_step_up_from_it) {
     BoxModel model(6);
     model.add({0, 0, 0}, {4, 2.5, 2});
