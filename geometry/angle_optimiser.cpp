@@ -296,7 +296,7 @@ private:
         return least < before - 1e-3;
     }
 
-    static constexpr size_t kFewTries = 5, kTrianglesATry = 40;
+    static constexpr size_t kFewTries = 5, kTrianglesATry = 10;
     static constexpr int kRings = 2;
     static constexpr double kWorthMoving = 0.001, kWorthAPoint = 0.004; // in terms of a cosine
     static constexpr double kGoodEnough = 0.03, kTurned = 1e300;

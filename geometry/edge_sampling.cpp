@@ -11,7 +11,7 @@
 #include "geometry/board_rows.h"
 #include "geometry/lattice_seeds.h"
 #include "geometry/perpendicular.h"
-#include "geometry/segment_distance.h"
+#include "geometry/surroundings.h"
 #include "geometry/twin_faces.h"
 
 namespace heliodon::geometry {
@@ -19,15 +19,13 @@ namespace heliodon::geometry {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kWorthGrading = 0.8;                 // of the edge length: sizes above make no difference
-constexpr double kFinestSize = 0.01 * kMetresPerInch; // below, in the tip of a wedge, triangles vanish
+constexpr double kWorthGrading = 0.8; // of the edge length: sizes above make no difference
 // A strip w wide with its sides divided in steps of s, staggered by half a step, has angles atan(2 w / s) and
-// atan(s / 2 w): at least 36 degrees for w / s within these.
-constexpr double kNarrowStrip = 0.363, kWideStrip = 0.688;
-// A triangle may be so much longer along a strip than the strip is wide, beside what it may be at a short
-// edge.
-constexpr double kFacing = 1.6;
-constexpr double kFinestStrip = 0.45;  // of the edge length
+// atan(s / 2 w): at least 36 degrees for w / s within the first two, 26.6 from the third on. That is enough
+// for thin strips: shorter steps would only make what lies beside them as small as they are.
+constexpr double kNarrowStrip = 0.363, kWideStrip = 0.688, kThinStrip = 0.25;
+constexpr double kThin = 0.5;          // of the edge length
+constexpr double kFinestStrip = 0.7;   // of the edge length
 constexpr double kRowLength = 1.1;     // of the next side: as long, but for slanted ends
 constexpr double kHalfStep = 0.55;     // of the step beside it: what half a step is at most
 constexpr double kUniformStrip = 0.76; // of the edge length: a strip this wide needs no staggering
@@ -55,7 +53,7 @@ EdgeSampler::EdgeSampler(const Building& building, const std::vector<MeshDomain>
       leaning_(building, domains) {
     for (const MeshDomain& domain : domains) directions_.push_back(mainDirection(domain));
     collectEdges();
-    measureSurroundings();
+    for (const MeshDomain& domain : domains) surroundings_.push_back(surroundingsOf(domain));
     pairTwins();
     findStrips();
 }
@@ -77,28 +75,6 @@ void EdgeSampler::collectEdges() {
             }
         }
     }
-}
-
-// The distance from each corner to the nearest part of its domains' outlines that it does not belong to.
-void EdgeSampler::measureSurroundings() {
-    surroundings_.assign(building_.vertices.size(), kInfinity);
-    for (const SampledEdge& edge : edges_)
-        for (const uint32_t v : {edge.a, edge.b}) surroundings_[v] = std::min(surroundings_[v], edge.length);
-    for (const MeshDomain& domain : domains_)
-        for (size_t l = 0; l < domain.loops.size(); ++l)
-            for (size_t k = 0; k < domain.loops[l].size(); ++k) {
-                const uint32_t v = domain.loops[l][k];
-                const glm::dvec2 p = domain.planar[l][k];
-                for (size_t m = 0; m < domain.loops.size(); ++m)
-                    for (size_t i = 0, n = domain.loops[m].size(); i < n; ++i) {
-                        const size_t j = (i + 1) % n;
-                        if (domain.loops[m][i] == v || domain.loops[m][j] == v) continue;
-                        surroundings_[v] =
-                            std::min(surroundings_[v], kFacing * distanceToSegment(p, domain.planar[m][i],
-                                                                                   domain.planar[m][j]));
-                    }
-            }
-    for (double& size : surroundings_) size = std::max(size, kFinestSize);
 }
 
 void EdgeSampler::pairTwins() {
@@ -175,27 +151,33 @@ bool EdgeSampler::hasSlots() const {
 
 bool EdgeSampler::hasSmallParts(double edge) const {
     const double least = kWorthGrading * edge / Grading{}.first;
+    const auto isSmall = [&](const std::vector<double>& loop) { return std::ranges::min(loop) < least; };
     return std::ranges::any_of(slots_.longest, [&](double size) { return size < edge; }) ||
            std::ranges::any_of(slots_.parts, [](const auto& sources) { return !sources.empty(); }) ||
            std::ranges::any_of(strips_, [&](const Strip& s) { return s.width < kUniformStrip * edge; }) ||
-           std::ranges::any_of(surroundings_, [&](double size) { return size < least; });
+           std::ranges::any_of(surroundings_,
+                               [&](const auto& loops) { return std::ranges::any_of(loops, isSmall); });
 }
 
 double EdgeSampler::narrowTriangles(double edge) const {
     double count = 0;
     for (const Strip& strip : strips_) {
-        const double step = std::clamp(edge, strip.width / kWideStrip, strip.width / kNarrowStrip);
-        if (strip.width < 0.5 * edge) count += 2 * edges_[strip.side].length / step;
+        if (strip.width < 0.5 * edge) count += 2 * edges_[strip.side].length / stepIn(strip, edge);
     }
     return count;
+}
+
+double EdgeSampler::stepIn(const Strip& strip, double edge) const {
+    const double longest = strip.width < kThin * edge ? kThinStrip : kNarrowStrip;
+    return std::clamp(edge, strip.width / kWideStrip, strip.width / longest);
 }
 
 double EdgeSampler::longestEdge(double finest) const {
     return sizesSlots() ? std::min(edge_, finest) : edge_;
 }
 
-double EdgeSampler::sizeOf(uint32_t corner) const {
-    const double size = grading_.first * surroundings_[corner];
+double EdgeSampler::sizeOf(uint32_t corner, double surroundings) const {
+    const double size = grading_.first * surroundings;
     return std::min(size < kWorthGrading * edge_ ? size : kInfinity, eased_[corner]);
 }
 
@@ -203,9 +185,10 @@ void EdgeSampler::choose(double edge, const Grading& grading) {
     edge_ = edge;
     grading_ = grading;
     if (std::isfinite(grading.growth) && edge > reach_) findNearCorners(2 * edge);
-    eased_.assign(surroundings_.size(), kInfinity);
+    eased_.assign(building_.vertices.size(), kInfinity);
     for (SampledEdge& e : edges_) {
         e.even = e.graded = false;
+        e.thinIn = kNone;
         e.pins.clear();
         e.most = kInfinity;
     }
@@ -296,22 +279,20 @@ void EdgeSampler::findNearCorners(double reach) {
     reach_ = reach;
     for (SampledEdge& edge : edges_) {
         edge.nearCorners.clear();
-        const glm::dvec3 a = position(edge.a), d = position(edge.b) - a;
-        for (const uint32_t domain : edge.domains)
-            for (const auto& loop : domains_[domain].loops)
-                for (const uint32_t v : loop) {
-                    const double size = kFinest.first * surroundings_[v];
+        const glm::dvec3 a = position(edge.a), along = position(edge.b) - a;
+        for (const uint32_t d : edge.domains)
+            for (size_t l = 0; l < domains_[d].loops.size(); ++l)
+                for (size_t k = 0; k < domains_[d].loops[l].size(); ++k) {
+                    const double own = surroundings_[d][l][k], size = kFinest.first * own;
                     if (size >= reach) continue;
+                    const uint32_t v = domains_[d].loops[l][k];
                     const glm::dvec3 p = position(v);
-                    const double t = std::clamp(glm::dot(p - a, d) / glm::dot(d, d), 0.0, 1.0),
-                                 distance = glm::length(p - a - t * d),
+                    const double t = std::clamp(glm::dot(p - a, along) / glm::dot(along, along), 0.0, 1.0),
+                                 distance = glm::length(p - a - t * along),
                                  least = size + kFinest.growth * distance;
-                    if (least < reach) edge.nearCorners.push_back({least, distance, v});
+                    if (least < reach) edge.nearCorners.push_back({least, distance, own, v, d});
                 }
-        const auto order = [](const NearCorner& c) { return std::pair(c.least, c.corner); };
-        std::ranges::sort(edge.nearCorners, {}, order);
-        const auto repeated = std::ranges::unique(edge.nearCorners, {}, &NearCorner::corner);
-        edge.nearCorners.erase(repeated.begin(), repeated.end());
+        std::ranges::stable_sort(edge.nearCorners, {}, &NearCorner::least);
     }
 }
 
@@ -333,14 +314,14 @@ void EdgeSampler::findStrips() {
             for (const Side& o : sides)
                 if (edges_[s.edge].length < edges_[o.edge].length ||
                     (edges_[s.edge].length == edges_[o.edge].length && s.edge < o.edge))
-                    considerStrip(s.edge, s.a, s.b, o.edge, o.a, o.b);
+                    considerStrip(static_cast<uint32_t>(d), s.edge, s.a, s.b, o.edge, o.a, o.b);
     }
     std::ranges::stable_sort(strips_, {}, &Strip::width);
 }
 
 // They run against one another, and the other one stands before all of the shorter one.
-void EdgeSampler::considerStrip(uint32_t side, glm::dvec2 a, glm::dvec2 b, uint32_t other, glm::dvec2 c,
-                                glm::dvec2 d) {
+void EdgeSampler::considerStrip(uint32_t domain, uint32_t side, glm::dvec2 a, glm::dvec2 b, uint32_t other,
+                                glm::dvec2 c, glm::dvec2 d) {
     constexpr double kParallelCosine = -0.995;
     const glm::dvec2 along = glm::normalize(b - a), back = glm::normalize(d - c);
     if (glm::dot(along, back) > kParallelCosine) return;
@@ -349,14 +330,13 @@ void EdgeSampler::considerStrip(uint32_t side, glm::dvec2 a, glm::dvec2 b, uint3
                  length = glm::length(b - a);
     const double from = glm::dot(d - a, along), to = glm::dot(c - a, along);
     if (width <= 0 || length < 1.5 * width || from > 0.3 * width || to < length - 0.3 * width) return;
-    strips_.push_back({side, other, width});
+    strips_.push_back({domain, side, other, width});
 }
 
 void EdgeSampler::stagger(const Strip& strip) {
     constexpr double kLongest = 0.8; // of as many steps as there would be
     SampledEdge &side = edges_[strip.side], &other = edges_[strip.other];
-    const double edge = longestEdge(std::min(side.finest, other.finest)),
-                 step = std::clamp(edge, strip.width / kWideStrip, strip.width / kNarrowStrip);
+    const double edge = longestEdge(std::min(side.finest, other.finest)), step = stepIn(strip, edge);
     if (strip.width > kUniformStrip * edge && strip.width < kRoomInside * edge)
         for (SampledEdge* e : {&side, &other}) // rather a little longer than sharp
             if (const double most = std::floor(kHalvedStrip * e->length / strip.width);
@@ -373,11 +353,13 @@ void EdgeSampler::stagger(const Strip& strip) {
         lead.pins.clear();
         lead.even = true;
     } else if (!lead.even) {
-        const auto steps = stepsAlong(lead, step);
+        // Its own ends, which are as short as it is wide, ask for no shorter steps of a thin one.
+        const auto steps = stepsAlong(lead, step, strip.width < kThin * edge ? strip.domain : kNone);
         lead.divisions.clear();
         divideEvenly(steps, std::max(1.0, std::round(steps.back().second)), lead.divisions);
         lead.even = true;
     }
+    if (strip.width < kThin * edge) follower.thinIn = strip.domain;
     pinBetween(lead, follower);
 }
 
@@ -435,13 +417,14 @@ void EdgeSampler::fillBetweenPins(SampledEdge& edge) const {
     }
 }
 
-std::vector<std::pair<double, double>> EdgeSampler::stepsAlong(const SampledEdge& edge,
-                                                               double largest) const {
+std::vector<std::pair<double, double>> EdgeSampler::stepsAlong(const SampledEdge& edge, double largest,
+                                                               uint32_t besides) const {
     const glm::dvec3 a = position(edge.a), d = position(edge.b) - a;
     std::vector<std::pair<glm::dvec3, double>> sources;
     for (const NearCorner& near : edge.nearCorners) {
         if (near.least >= largest || !std::isfinite(grading_.growth)) break;
-        const double size = sizeOf(near.corner);
+        if (near.domain == besides) continue;
+        const double size = sizeOf(near.corner, near.surroundings);
         if (size + grading_.growth * near.distance < largest)
             sources.emplace_back(position(near.corner), size);
     }
@@ -500,7 +483,7 @@ bool EdgeSampler::easeGraded() {
                     std::swap(e, f);
                 }
                 if (next < kMostBeside * own || own < kFinestEased * edge_ || edges_[f].even ||
-                    edges_[f].divisions.empty())
+                    edges_[f].thinIn == d || edges_[f].divisions.empty())
                     continue;
                 eased_[v] = std::min(kFirst * own, kShorter * eased_[v]);
                 finer[f] = true;
@@ -563,7 +546,8 @@ PlanarDomain EdgeSampler::planar(size_t d) const {
             const SampledEdge& edge = edges_[loopEdges_[d][l][i]];
             const MeshDomain::Frame& frame = domain.frames[domain.frameOf[l][i]];
             const glm::dvec2 from = domain.planar[l][i], to = frame.coordinates(position(loop[(i + 1) % n]));
-            if (sizeOf(loop[i]) < kInfinity) sources.push_back({from, sizeOf(loop[i])});
+            if (const double size = sizeOf(loop[i], surroundings_[d][l][i]); size < kInfinity)
+                sources.push_back({from, size});
             plane.boundary.push_back(from);
             const size_t count = edge.divisions.size();
             const double beside = longestEdge(edge.finest) < kWorthGrading * longestEdge(slots_.longest[d])

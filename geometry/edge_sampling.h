@@ -57,10 +57,12 @@ public:
     PlanarDomain planar(size_t domain) const;
 
 private:
+    static constexpr uint32_t kNone = 0xffffffffu;
     struct NearCorner {
         double least;    // metres: the shortest step that it may want on the edge
         double distance; // metres from the edge
-        uint32_t corner;
+        double surroundings;
+        uint32_t corner, domain;
     };
     struct SampledEdge {
         uint32_t a, b; // a < b
@@ -71,12 +73,13 @@ private:
         // A side of a strip: in even steps, or with divisions pinned half a step off those of the other side.
         bool even = false, graded = false;
         double most = 0;                     // steps, where more would be too short beside a strip's width
+        uint32_t thinIn = kNone;             // the domain in which it is the pinned side of a thin strip
         std::vector<double> pins;            // metres from a
         std::vector<NearCorner> nearCorners; // those that want the shortest steps first
     };
     // Two edges of a domain that run side by side, the shorter one first.
     struct Strip {
-        uint32_t side, other;
+        uint32_t domain, side, other;
         double width;
     };
     struct TwinEdge {
@@ -90,7 +93,6 @@ private:
     };
 
     void collectEdges();
-    void measureSurroundings();
     void pairTwins();
     void matchTwins(size_t from, size_t to, std::vector<std::vector<TwinEdge>>& opposite) const;
     void collectTwins(uint32_t start, const std::vector<std::vector<TwinEdge>>& opposite,
@@ -98,7 +100,9 @@ private:
     void shareDivisions(const TwinEdges& group);
     void findNearCorners(double reach);
     void findStrips();
-    void considerStrip(uint32_t side, glm::dvec2 a, glm::dvec2 b, uint32_t other, glm::dvec2 c, glm::dvec2 d);
+    void considerStrip(uint32_t domain, uint32_t side, glm::dvec2 a, glm::dvec2 b, uint32_t other,
+                       glm::dvec2 c, glm::dvec2 d);
+    double stepIn(const Strip& strip, double edge) const; // metres, where edges are so long beside it
     void divideBoard(size_t domain);
     void divideEnds(size_t domain);
     void stagger(const Strip& strip);
@@ -110,11 +114,14 @@ private:
     bool easeOnce();                                            // whether it changed anything
     bool easeGraded();                                          // likewise
     double stepAt(const SampledEdge& edge, uint32_t end) const; // metres
-    // Pairs of a fraction of the edge's length and how many steps of the size wanted lie before it.
-    std::vector<std::pair<double, double>> stepsAlong(const SampledEdge& edge, double largest) const;
+    // Pairs of a fraction of the edge's length and how many steps of the size wanted lie before it, whatever
+    // corners of the domain `besides` want.
+    std::vector<std::pair<double, double>> stepsAlong(const SampledEdge& edge, double largest,
+                                                      uint32_t besides = kNone) const;
     bool sizesSlots() const { return grading_.slots && std::isfinite(grading_.growth); }
     double longestEdge(double finest) const; // metres
-    double sizeOf(uint32_t corner) const;    // infinity where the surroundings ask for nothing
+    // Infinity where the surroundings ask for nothing.
+    double sizeOf(uint32_t corner, double surroundings) const;
     glm::dvec3 position(uint32_t corner) const { return building_.vertices[corner]; }
 
     const Building& building_;
@@ -124,8 +131,8 @@ private:
     FoldLeaning leaning_;
     std::vector<SampledEdge> edges_;
     std::map<std::pair<uint32_t, uint32_t>, uint32_t> edgeOf_;
-    std::vector<std::vector<std::vector<uint32_t>>> loopEdges_; // per domain, loop, corner
-    std::vector<double> surroundings_;                          // per corner: metres to what is near
+    std::vector<std::vector<std::vector<uint32_t>>> loopEdges_;  // per domain, loop, corner
+    std::vector<std::vector<std::vector<double>>> surroundings_; // likewise (surroundings.h)
     std::vector<double> eased_;          // per corner: metres, most for the first steps from there
     std::vector<glm::dvec2> directions_; // per domain: of its longest side
     std::vector<TwinEdges> twins_;

@@ -17,7 +17,7 @@ namespace {
 // Of the edge length: how far seeds are from the boundary. A point of the boundary owns what is nearer than
 // the first; with the second angles are better there.
 constexpr double kFromBoundary = 0.43, kFarFromBoundary = 0.62;
-constexpr double kOnLattice = 0.9; // of the edge length: where sizes are smaller there are no seeds
+constexpr double kOnLattice = 0.75; // of the edge length: where sizes are smaller there are no seeds
 constexpr int kFewRows = 5;        // of a lattice
 
 // The boundary of a domain by cells of a grid and by rows of a lattice.

@@ -22,6 +22,7 @@
 #include "geometry/planar_mesher.h"
 #include "geometry/slot_sizes.h"
 #include "geometry/twin_faces.h"
+#include "geometry/unused_vertices.h"
 
 namespace heliodon::geometry {
 
@@ -42,18 +43,22 @@ constexpr double kSpread = 0.25;
 constexpr double kOneStep = 0.15; // of the count: where it comes in larger steps nothing is gained
 constexpr double kWideAngle = 36; // degrees
 // From the gentlest growth of sizes round small parts to none at all, for when triangles are few; slots take
-// more of them than was thought where walls have small parts of their own.
-constexpr std::array kGradings{Grading{1.4, 0.6},
-                               Grading{2.0, 1.0},
-                               Grading{1.4, 0.6, false},
-                               Grading{2.0, 1.0, false},
-                               Grading{kUniform, kUniform},
-                               Grading{kUniform, kUniform, false},
-                               Grading{kUniform, kUniform, false, false, 0, kSpread}};
-constexpr double kFarTooMany = 1.4; // times what was asked for: such grading is for finer meshes
+// more of them than was thought where walls have small parts of their own. The longer edges become for what
+// small parts take, times those of as many equal triangles, the faster sizes grow: all else is large then.
+struct Trial {
+    Grading grading;
+    double longest = kUniform;
+};
+constexpr double kGentle = 1.06, kLongest = 1.12;
+constexpr std::array kTrials{
+    Trial{{1.4, 0.6}, kGentle},         Trial{{1.8, 0.9}, kLongest},
+    Trial{{2.0, 1.5}, kLongest},        Trial{{1.4, 0.6, false}, kGentle},
+    Trial{{1.8, 0.9, false}, kLongest}, Trial{{kUniform, kUniform}},
+    Trial{{kUniform, kUniform, false}}, Trial{{kUniform, kUniform, false, false, 0, kSpread}}};
+constexpr double kLongestBesideSlots = 1.6; // likewise: longer ones no longer save triangles
+constexpr double kFarTooMany = 1.4;         // times what was asked for: such grading is for finer meshes
 // Of them, in narrow strips: where it is more, others are large beside them whatever is done about angles.
 constexpr double kManyNarrow = 0.15;
-constexpr double kMostStretch = 1.6; // of a regular mesh's edge: longer ones no longer save triangles
 
 // Of regular triangles, so many, that cover the area.
 double regularEdge(double area, double count) {
@@ -91,10 +96,11 @@ public:
     PatchMesh mesh() {
         const bool sparing = sampler_.narrowTriangles(regular_) > kManyNarrow * wanted_;
         std::optional<Plan> best, spread;
-        for (const Grading& grading : kGradings) {
+        for (const auto& [grading, longest] : kTrials) {
             if (grading.spread > 0 ? off(best->count) > kOneStep * wanted_
                                    : !grading.slots && !sampler_.hasSlots())
                 continue; // the building has more edges of its own; nothing else was tried
+            longest_ = regular_ * (sampler_.hasSlots() ? kLongestBesideSlots : longest);
             grading_ = grading;
             grading_.sparing = sparing;
             grading_.narrowest = narrowest_;
@@ -299,7 +305,7 @@ private:
             lastEdge_ = edge;
             lastCount_ = count;
             const double guess = edge * std::pow(count / wanted, 1 / power);
-            if (high == 0 && guess > kMostStretch * regular_ && std::isfinite(grading_.growth)) return false;
+            if (high == 0 && guess > longest_ && std::isfinite(grading_.growth)) return false;
             edge = bracketed && (guess <= std::min(low, high) || guess >= std::max(low, high))
                        ? 0.5 * (low + high)
                        : guess;
@@ -397,7 +403,7 @@ private:
                 meshDomain(d);
             if (face.twin >= 0) domainOf[domains_[d].faces[0]] = d;
         }
-        dropUnusedVertices();
+        dropUnusedVertices(mesh_); // corners of seams
         return std::move(mesh_);
     }
 
@@ -494,25 +500,11 @@ private:
         }
     }
 
-    // Corners of seams that no triangle needs.
-    void dropUnusedVertices() {
-        constexpr uint32_t kUnused = 0xffffffffu;
-        std::vector<uint32_t> place(mesh_.vertices.size(), kUnused);
-        for (const uint32_t v : mesh_.corners) place[v] = 0;
-        uint32_t count = 0;
-        for (size_t v = 0; v < place.size(); ++v)
-            if (place[v] != kUnused) {
-                mesh_.vertices[count] = mesh_.vertices[v];
-                place[v] = count++;
-            }
-        mesh_.vertices.resize(count);
-        for (uint32_t& v : mesh_.corners) v = place[v];
-    }
-
     const Building& building_;
     const std::function<void()>& beforePart_;
     // `regular_`: the edge length of so many equal triangles, metres.
     double wanted_, narrowest_, regular_;
+    double longest_ = kUniform;      // edge that is worth looking at with this grading, metres
     double edge_ = 0, added_ = 0;    // added: triangles that refinement adds, as far as known
     size_t additions_ = 0;           // points that optimisation may still add
     std::vector<double> areas_;      // per domain

@@ -78,7 +78,8 @@ private:
         const double radius = glm::length(offset);
         const double shortest = std::sqrt(std::min({glm::dot(u, u), glm::dot(v, v), glm::dot(u - v, u - v)}));
         const bool slim = domain_.dividesSlim && !domain_.size.uniform() && radius > kSlim * shortest;
-        if (!slim && !domain_.size.atMost(a + offset, radius / kLargest)) return false;
+        const double largest = domain_.size.uniform() ? kLargest : kLargestGraded;
+        if (!slim && !domain_.size.atMost(a + offset, radius / largest)) return false;
         const double size = domain_.size.at(a + offset);
         const uint32_t target = net_.locate(t, a + offset);
         if (target == kNoTriangle || nearFixedEdge(target, a + offset, kApart * size)) return false;
@@ -96,17 +97,18 @@ private:
         return false;
     }
 
-    static constexpr double kLargest = 0.95, kApart = 0.45, kSlim = 1.2;
+    // Where all else is uniform the lattice has the count; beside small parts refinement evens areas out.
+    static constexpr double kLargest = 0.95, kLargestGraded = 0.75, kApart = 0.35, kSlim = 1.2;
     PlanarNet& net_;
     const PlanarDomain& domain_;
 };
 
 // Moves each inner point (those on folds, where most are, stand in even steps already) towards the mean of
-// its triangles' centroids, weighted by their area in terms of the size wanted, unless that turns one over.
-// By the area alone the mesh comes to rest long before areas are even; by its power of 2.5 large triangles
-// shrink faster, and a step of less than the whole way keeps neighbours from overshooting in turns (powers of
-// 2 and more do so with whole steps). `sizes`: of the points on the boundary where sizes are not uniform,
-// kept from call to call.
+// its triangles' centroids, weighted by their area over the size wanted, unless that turns one over. Over its
+// square, small triangles would stay as small as that. By the area alone the mesh comes to rest long before
+// areas are even; by its power of 2.5 large triangles shrink faster, and a step of less than the whole way
+// keeps neighbours from overshooting in turns (powers of 2 and more do so with whole steps). `sizes`: of the
+// points on the boundary where sizes are not uniform, kept from call to call.
 void smooth(PlanarNet& net, const PlanarDomain& domain, std::vector<double>& sizes) {
     const size_t inner = net.points.size() - net.boundaryCount;
     if (!domain.size.uniform()) {
@@ -119,10 +121,7 @@ void smooth(PlanarNet& net, const PlanarDomain& domain, std::vector<double>& siz
     for (const auto& c : net.corner) {
         const glm::dvec2 middle = (net.points[c[0]] + net.points[c[1]] + net.points[c[2]]) / 3.0;
         double area = net.twiceArea(c[0], c[1], c[2]);
-        if (!domain.size.uniform()) {
-            const double size = sizes[c[0]] + sizes[c[1]] + sizes[c[2]];
-            area /= size * size;
-        }
+        if (!domain.size.uniform()) area /= sizes[c[0]] + sizes[c[1]] + sizes[c[2]];
         area = std::max(area, 0.0);
         area *= area * std::sqrt(area);
         for (const uint32_t v : c)
