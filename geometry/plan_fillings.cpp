@@ -1,6 +1,7 @@
 #include "geometry/plan_fillings.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <optional>
@@ -19,12 +20,14 @@ namespace {
 constexpr double kPi = std::numbers::pi;
 constexpr double kFacingSine = 0.26;  // 15 degrees: ends that look at each other
 constexpr double kFacingOffset = 0.6; // inches: by which they may miss one another
-constexpr double kDoor = 1.25;        // times a crack's width from end to end: as wide as a door
+constexpr double kDoor = 1.05;        // times a crack's width from end to end: as wide as a door
 constexpr double kSpike = 2;          // times the thickness of walls that touch: a tip longer than that
 constexpr double kBesideCorner = 0.1; // inches off what fills it
 constexpr double kRunsBy = 0.5;       // inches: nearer to its end a wall does not run by another one
 constexpr double kJustOut = 0.4;      // inches: what is an overshoot of a wall
 constexpr double kTouching = 0.02;    // inches: what facets leave between walls that touch
+constexpr double kAcross = 0.5;       // the sine of the angle between a slot and a wall that ends it
+constexpr double kBeforePocket = 1.2; // times a crack's width: what air there is before its mouth
 
 // Two ends that look at each other over a crack: the crack is the hull of the two end faces.
 std::vector<glm::dvec2> facingFill(const WallEnd& e, const WallEnd& f) {
@@ -210,8 +213,9 @@ private:
 
     // The air between two walls side by side.
     struct Slot {
-        std::vector<glm::dvec2> outline; // to the walls' centre lines
-        double least = 0, most = 0;      // inches from face to face
+        std::array<glm::dvec2, 2> onP, onQ; // from end to end along the walls' centre lines
+        double least = 0, most = 0;         // inches from face to face
+        std::array<glm::dvec2, 2> middle;   // of the air, from end to end
     };
 
     std::optional<Slot> slotBetween(const WallPiece& p, const WallPiece& q) const {
@@ -228,14 +232,69 @@ private:
         const double to0 = cross(d, onQ(s0) - onP(s0)), to1 = cross(d, onQ(s1) - onP(s1));
         if ((to0 < 0) != (to1 < 0)) return std::nullopt; // they cross
         const double gap0 = std::abs(to0), gap1 = std::abs(to1), solid = (p.thickness + q.thickness) / 2;
-        return Slot{
-            {onP(s0), onP(s1), onQ(s1), onQ(s0)}, std::min(gap0, gap1) - solid, std::max(gap0, gap1) - solid};
+        Slot slot{{onP(s0), onP(s1)},
+                  {onQ(s0), onQ(s1)},
+                  std::min(gap0, gap1) - solid,
+                  std::max(gap0, gap1) - solid};
+        for (const size_t k : {0, 1}) {
+            const glm::dvec2 across = slot.onQ[k] - slot.onP[k];
+            slot.middle[k] =
+                slot.onP[k] + (0.5 + (p.thickness - q.thickness) / 4 / glm::length(across)) * across;
+        }
+        return slot;
+    }
+
+    // Where along the slot's middle, from 0 to 1, a third wall lies across it: from face to face, but for
+    // what a hand leaves.
+    std::vector<double> wallsAcross(const Slot& slot, size_t i, size_t j) const {
+        std::vector<double> out;
+        const glm::dvec2 along = slot.middle[1] - slot.middle[0];
+        const double length = glm::length(along), reach = slot.most / 2 - kJustOut;
+        for (size_t k = 0; k < plan_.pieces.size(); ++k) {
+            const WallPiece& wall = plan_.pieces[k];
+            if (k == i || k == j || wall.curved) continue;
+            const glm::dvec2 d = glm::normalize(wall.b - wall.a);
+            const double sine = cross(along / length, d);
+            if (std::abs(sine) < kAcross) continue;
+            const double at = cross(wall.a - slot.middle[0], d) / sine, // inches
+                toA = cross(along / length, wall.a - slot.middle[0]),
+                         toB = cross(along / length, wall.b - slot.middle[0]),
+                         beyond = wall.thickness / 2 + kJustOut;
+            if (std::max(toA, toB) >= reach && std::min(toA, toB) <= -reach && at > -beyond &&
+                at < length + beyond)
+                out.push_back(std::clamp(at / length, 0.0, 1.0));
+        }
+        std::ranges::sort(out);
+        return out;
+    }
+
+    // How far a straight wall goes on beyond the point.
+    static double aheadOf(const WallPiece& wall, glm::dvec2 from, glm::dvec2 way) {
+        return std::max(glm::dot(wall.a - from, way), glm::dot(wall.b - from, way));
     }
 
     void fillBetweenFaces(size_t i, size_t j) {
         if (std::ranges::find(niches_, std::pair(i, j), &Niche::walls) != niches_.end()) return;
         const std::optional<Slot> slot = slotBetween(plan_.pieces[i], plan_.pieces[j]);
-        if (slot && slot->least > 0 && slot->most <= kNarrowSlot) add(slot->outline);
+        if (!slot || slot->least <= 0 || slot->most > kNarrowSlot) return;
+        double from = 0, to = 1;
+        if (slot->least >= kNarrowestNiche) {
+            // What a third wall parts off is a pocket of the room that it opens to, as beside a pilaster and
+            // behind the head of a T, where one of the two walls runs on. Two that end together are one.
+            const std::vector<double> across = wallsAcross(*slot, i, j);
+            const glm::dvec2 out = glm::normalize(slot->middle[1] - slot->middle[0]);
+            const auto isOpen = [&](glm::dvec2 mouth, glm::dvec2 way) {
+                return std::max(aheadOf(plan_.pieces[i], mouth, way), aheadOf(plan_.pieces[j], mouth, way)) >
+                           kRunsBy &&
+                       firstHit(physical_, mouth, way, -2) > kBeforePocket * width_;
+            };
+            if (!across.empty() && isOpen(slot->middle[0], -out)) from = across.front();
+            if (!across.empty() && isOpen(slot->middle[1], out)) to = across.back();
+        }
+        const auto at = [](const std::array<glm::dvec2, 2>& line, double t) {
+            return glm::mix(line[0], line[1], t);
+        };
+        if (from < to) add({at(slot->onP, from), at(slot->onP, to), at(slot->onQ, to), at(slot->onQ, from)});
     }
 
     // Whether the arc has a part to either side of the point in that direction from its centre.

@@ -1,0 +1,98 @@
+// What short walls part off beside longer ones: pockets behind and beside piers, passages past corners, and
+// pilasters that lie flat on a wall.
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include <glm/geometric.hpp>
+#include <gtest/gtest.h>
+
+#include "geometry/building.h"
+#include "tests/geometry/drawn_pieces.h"
+
+using namespace heliodon::geometry;
+using heliodon::test::turned;
+using heliodon::test::wall;
+
+namespace {
+
+constexpr double kHalf = 0.1875; // inches of a wall's thickness
+
+Sketch box(double thickness = 2 * kHalf) {
+    const double h = thickness / 2;
+    Sketch s;
+    s.walls = {wall("s", {-9 - h, -6}, {9 + h, -6}), wall("e", {9, -6 - h}, {9, 6 + h}),
+               wall("n", {9 + h, 6}, {-9 - h, 6}), wall("w", {-9, 6 + h}, {-9, -6 - h})};
+    for (Wall& w : s.walls) w.thickness = thickness;
+    return s;
+}
+
+constexpr double kBox = 17.625 * 11.625; // square inches
+
+void expectRooms(const Sketch& sketch, const std::vector<double>& areas, double off) {
+    for (const double degrees : {0.0, 33.0, 90.0, 211.0}) {
+        ClosureReport report = closeSketch(turned(sketch, degrees)).report;
+        std::ranges::sort(report.rooms, std::greater(), &RoomReport::floorAreaFt2);
+        ASSERT_EQ(report.rooms.size(), areas.size()) << report.message;
+        for (size_t r = 0; r < areas.size(); ++r)
+            EXPECT_NEAR(report.rooms[r].floorAreaFt2, areas[r], off) << degrees << " degrees";
+    }
+}
+
+} // namespace
+
+// A pier whose head stands so far from the wall, on a stem in its middle or at one end.
+TEST(Pockets, behind_the_head_of_a_pier_are_room) {
+    for (const double stem : {0.5, 0.8, 1.0, 1.3})
+        for (const double head : {2.0, 4.0})
+            for (const double at : {0.0, head / 2 - kHalf}) {
+                SCOPED_TRACE(testing::Message() << stem << ", " << head << ", " << at);
+                const double y = -6 + stem + 2 * kHalf;
+                Sketch s = box();
+                s.walls.push_back(wall("stem", {at, -6}, {at, y}));
+                s.walls.push_back(wall("head", {-head / 2, y}, {head / 2, y}));
+                const double pier = 2 * kHalf * (stem + head);
+                expectRooms(s, {kBox - pier}, 1e-6);
+                s.walls[4].b.y -= kHalf + 0.2; // the stem ends before the head
+                s.walls[4].a.y += kHalf + 0.1;
+                if (stem > 0.7) expectRooms(s, {kBox - pier}, 1e-6);
+            }
+}
+
+TEST(Pockets, between_a_pilaster_and_a_corner_are_room) {
+    for (const double air : {0.5, 0.8, 1.0, 1.1})
+        for (const double length : {1.0, 3.0}) {
+            SCOPED_TRACE(testing::Message() << air << ", " << length);
+            const double x = -9 + air + 2 * kHalf;
+            Sketch s = box();
+            s.walls.push_back(wall("p", {x, -6}, {x, -6 + kHalf + length}));
+            expectRooms(s, {kBox - 2 * kHalf * length}, 1e-6);
+        }
+}
+
+// Where one end is a wall and the other one is shut as well, nobody gets in.
+TEST(Pockets, between_walls_that_are_closed_at_both_ends_are_none) {
+    Sketch s = box();
+    s.walls.push_back(wall("lining", {-8, -6}, {-8, 6}));
+    s.walls.push_back(wall("across", {-9, 0}, {-8, 0}));
+    expectRooms(s, {(17.625 - 1) * 11.625}, 1e-6);
+}
+
+// A closet whose door is in its corner, where two walls end: open as elsewhere from 1.6 in on.
+TEST(Pockets, passages_past_a_corner_are_open_from_where_doors_are) {
+    for (const double clear : {1.4, 1.65, 1.8, 2.2}) {
+        SCOPED_TRACE(clear);
+        const double off = clear / std::sqrt(2.0) + kHalf; // from the crossing of the two walls to their ends
+        Sketch s = box();
+        s.walls.push_back(wall("d", {-3, 6}, {-3, off}));
+        s.walls.push_back(wall("c", {-9, 0}, {-3 - off, 0}));
+        const double closet = (6 - 2 * kHalf) * (6 - 2 * kHalf),
+                     walls = 2 * kHalf * (12 - 2 * kHalf - 2 * off);
+        if (clear < 1.5)
+            expectRooms(s, {kBox - 6 * 6, closet}, 0.1);
+        else
+            expectRooms(s, {kBox - walls}, 1e-6);
+    }
+}
