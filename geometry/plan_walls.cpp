@@ -13,17 +13,21 @@
 #include "geometry/perpendicular.h"
 #include "geometry/plan_fillings.h"
 #include "geometry/ray_crossing.h"
+#include "geometry/used_stretches.h"
 
 namespace heliodon::geometry {
 
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-constexpr double kSameLineOffset = 0.25;              // inches: nearer pieces lie on one straight side
+constexpr double kSameLineOffset = 0.25 + 1e-6;       // inches: nearer pieces lie on one straight side
 const double kSameLineSine = std::sin(4 * kPi / 180); // and do not turn by more than this
 constexpr double kSameLineGap = 12;                   // inches along the side
-constexpr double kShortestWall = 0.1;                 // inches: shorter ones are slips of the detection
-constexpr double kMeet = 1e-9; // radians: arcs that end where others begin, but for rounding
+constexpr double kPilaster = 0.5;     // of a wall's length: a shorter piece within it that stands out
+constexpr double kStandsOut = 0.18;   // by so many inches on one side,
+constexpr double kFlush = 0.05;       // and no more than so many on the other one, is no copy of it
+constexpr double kShortestWall = 0.1; // inches: shorter ones are slips of the detection
+constexpr double kMeet = 1e-9;        // radians: arcs that end where others begin, but for rounding
 
 glm::dvec2 onCircle(double angle) {
     return {std::cos(angle), std::sin(angle)};
@@ -160,13 +164,30 @@ private:
         if (std::abs(cross(d, candidate.a - seed.a)) > kSameLineOffset ||
             std::abs(cross(d, candidate.b - seed.a)) > kSameLineOffset)
             return false;
-        const auto [c0, c1] =
-            std::minmax({glm::dot(candidate.a - seed.a, d), glm::dot(candidate.b - seed.a, d)});
-        return std::ranges::any_of(members, [&](size_t m) {
-            const auto [m0, m1] =
-                std::minmax({glm::dot(pieces_[m].a - seed.a, d), glm::dot(pieces_[m].b - seed.a, d)});
-            return c0 < m1 + kSameLineGap && m0 < c1 + kSameLineGap;
-        });
+        const auto along = [&](const WallPiece& p) {
+            const auto [from, to] = std::minmax({glm::dot(p.a - seed.a, d), glm::dot(p.b - seed.a, d)});
+            return Stretch{from, to};
+        };
+        const Stretch own = along(candidate);
+        bool near = false;
+        for (const size_t m : members) {
+            const Stretch other = along(pieces_[m]);
+            if (isPilaster(candidate, own, pieces_[m], other)) return false;
+            near = near || (own.from < other.to + kSameLineGap && other.from < own.to + kSameLineGap);
+        }
+        return near;
+    }
+
+    // Flat on the wall's face: within its length, much shorter, and standing out by more than a hand errs, on
+    // one side alone. A thicker piece of the wall does on both.
+    static bool isPilaster(const WallPiece& p, Stretch on, const WallPiece& wall, Stretch whole) {
+        if (on.length() > kPilaster * whole.length() || on.from < whole.from || on.to > whole.to)
+            return false;
+        const glm::dvec2 d = glm::normalize(wall.b - wall.a);
+        const double toA = cross(d, p.a - wall.a), toB = cross(d, p.b - wall.a),
+                     off = toA * toB > 0 ? std::min(std::abs(toA), std::abs(toB)) : 0,
+                     thicker = (p.thickness - wall.thickness) / 2;
+        return thicker + off > kStandsOut && thicker - off < kFlush;
     }
 
     WallLine fit(const std::vector<size_t>& members) const {

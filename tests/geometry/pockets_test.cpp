@@ -96,3 +96,21 @@ TEST(Pockets, passages_past_a_corner_are_open_from_where_doors_are) {
             expectRooms(s, {kBox - walls}, 1e-6);
     }
 }
+
+// Thin ones, whose middle is as near to that of the wall as a copy's would be.
+TEST(Pockets, flat_pilasters_stand_out) {
+    for (const double thickness : {0.2, 0.25})
+        for (const double length : {1.0, 4.0, 8.0})
+            for (const bool inside : {true, false}) {
+                SCOPED_TRACE(testing::Message() << thickness << ", " << length << ", inside " << inside);
+                const double y = -6 + (inside ? 1 : -1) * (0.125 + thickness / 2);
+                Sketch s = box(0.25);
+                s.walls.push_back(wall("p", {-2, y}, {-2 + length, y}));
+                s.walls.back().thickness = thickness;
+                expectRooms(s, {17.75 * 11.75 - (inside ? thickness * length : 0)}, 1e-6);
+            }
+    Sketch s = box(0.25); // a copy, off by what a hand errs
+    s.walls.push_back(wall("p", {-2, -5.9}, {2, -5.9}));
+    s.walls.back().thickness = 0.25;
+    EXPECT_NE(closeSketch(s).report.message.find("p repeats s"), std::string::npos);
+}
