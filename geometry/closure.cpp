@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <numbers>
@@ -11,9 +12,11 @@
 #include <glm/geometric.hpp>
 
 #include "geometry/building.h"
+#include "geometry/clip_polygon.h"
 #include "geometry/counted.h"
 #include "geometry/face_soup.h"
 #include "geometry/occluder_solids.h"
+#include "geometry/perpendicular.h"
 #include "geometry/plan_curves.h"
 #include "geometry/plan_fillings.h"
 #include "geometry/plan_materials.h"
@@ -31,6 +34,7 @@ namespace {
 constexpr double kWideOpening = 8 + 1e-6; // inches: a wider bridged opening is worth a warning
 constexpr double kEven = 1e-4; // of a length: what walls of one class may be shorter than those of another
 constexpr double kLeastSkylight = 0.005; // inches: corners nearer to one another are one (plan_overlay.cpp)
+constexpr double kSameSkylight = 1e-6;   // square inches: areas are equal but for rounding
 constexpr double kDoor = 2 - 1e-6;       // inches: as wide as doors are drawn
 constexpr size_t kMostWalls = 500;       // the paper's table holds about twenty
 constexpr size_t kMostSkylights = 1000;
@@ -72,8 +76,11 @@ Sketch onTable(const Sketch& sketch, std::vector<PlanNote>& notes, std::vector<I
         const double middle = glm::length(arc.center);
         return off(arc, std::max(0.0, std::abs(middle - arc.radius)), 0, "arc");
     });
+    // The largest first: of what several cover it has most, so that small ones under it add nothing, however
+    // the sketch lies on the table.
     std::ranges::sort(out.skylights, {}, [](const Skylight& s) {
-        return std::tuple(s.center.x, s.center.y, s.size.x, s.size.y, s.angleDeg, s.id);
+        return std::tuple(-std::round(s.size.x * s.size.y / kSameSkylight), s.center.x, s.center.y, s.size.x,
+                          s.size.y, s.angleDeg, s.id);
     });
     return out;
 }
@@ -281,13 +288,13 @@ private:
         for (size_t i = 0; i < sketch_.skylights.size(); ++i) {
             if (faces.skylightUsed[i]) continue;
             const Skylight& skylight = sketch_.skylights[i];
-            if (coveredSkylight(i))
+            if (std::min(skylight.size.x, skylight.size.y) < kLeastSkylight && inRoom(skylight.center))
+                notes_.push_back({"SKYLIGHT_TOO_SMALL",
+                                  fmt::format("skylight {} is too small and is ignored", skylight.id)});
+            else if (mostOverRoom(skylight) >= kSmallestPane)
                 notes_.push_back(
                     {"SKYLIGHT_COVERED",
                      fmt::format("skylight {} lies under others and adds nothing", skylight.id)});
-            else if (std::min(skylight.size.x, skylight.size.y) < kLeastSkylight && inRoom(skylight.center))
-                notes_.push_back({"SKYLIGHT_TOO_SMALL",
-                                  fmt::format("skylight {} is too small and is ignored", skylight.id)});
             else
                 notes_.push_back({"SKYLIGHT_OUTSIDE",
                                   fmt::format("skylight {} lies over no room and is ignored", skylight.id)});
@@ -298,14 +305,31 @@ private:
         return std::ranges::any_of(spaces_.rooms, [&](const RoomPlan& room) { return contains(room, p); });
     }
 
-    bool coveredSkylight(size_t i) const {
-        const glm::dvec2 p = sketch_.skylights[i].center;
-        return std::ranges::any_of(sketch_.skylights, [&](const Skylight& other) {
-            const double angle = other.angleDeg * std::numbers::pi / 180;
-            const glm::dvec2 d = p - other.center, u{std::cos(angle), std::sin(angle)};
-            return &other != &sketch_.skylights[i] && std::abs(glm::dot(d, u)) < other.size.x / 2 &&
-                   std::abs(d.y * u.x - d.x * u.y) < other.size.y / 2;
-        });
+    // Square inches over the room of which it covers most.
+    double mostOverRoom(const Skylight& skylight) const {
+        const double angle = skylight.angleDeg * std::numbers::pi / 180;
+        const glm::dvec2 u{std::cos(angle), std::sin(angle)};
+        const std::array sides{std::pair(u, skylight.size.x), std::pair(-u, skylight.size.x),
+                               std::pair(leftOf(u), skylight.size.y), std::pair(-leftOf(u), skylight.size.y)};
+        double most = 0;
+        std::vector<glm::dvec2> part, rest;
+        for (const RoomPlan& room : spaces_.rooms) {
+            double area = 0;
+            for (const OutlineLoop& loop : room.loops) { // any polygon: what joins its parts has no area
+                part = loop.points;
+                for (const auto& [out, size] : sides) {
+                    const auto within = [&](glm::dvec2 p) {
+                        return size / 2 - glm::dot(p - skylight.center, out);
+                    };
+                    clip(part, within, rest);
+                    std::swap(part, rest);
+                }
+                for (size_t k = 0; k < part.size(); ++k)
+                    area += cross(part[k], part[(k + 1) % part.size()]) / 2;
+            }
+            most = std::max(most, area);
+        }
+        return most;
     }
 
     struct Shells {

@@ -1,6 +1,7 @@
 // Makes the outlines of rooms fit to be built: no jogs that only noise explains, no corner that two walls of
 // air share, nothing that comes so near to something else that a triangle between them would have no area.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 #include <optional>
@@ -28,6 +29,7 @@ constexpr double kNarrowCrack = 0.5; // inches
 constexpr double kInLine = 1e-3;     // the sine of the angle between a straight wall and what goes on with it
 constexpr double kRound = 0.4;       // the same of a curved one, whose facets turn
 constexpr double kTouches = 1e-5;    // inches
+constexpr double kTie = 1e-7;        // inches: lengths that differ by less are equal but for rounding
 constexpr double kMostCut = 0.45;    // of an edge, at a sharp corner
 constexpr double kOnLine = 1e-4;     // inches off the line between its neighbours: no corner
 constexpr double kStraightSine = 1.1e-5; // nor is one that turns by less
@@ -171,14 +173,21 @@ private:
         return glm::length(wall.b - wall.a);
     }
 
+    // By which edges are taken in turn, so that where the outline begins changes nothing: the length, and of
+    // equal ones, as ends of walls are, those of the edges beside it. Lengths are equal but for rounding.
+    std::array<double, 3> rank(size_t i) const {
+        const auto rounded = [&](size_t k) { return std::round(glm::length(edge(k)) / kTie); };
+        const auto [least, most] = std::minmax({rounded(i + size() - 1), rounded(i + 1)});
+        return {rounded(i), most, least};
+    }
+
     // A wall that runs on past another one by little, or whose square end does at a slant, ends where the
-    // faces of the two meet. The longest ends first: the way round the outline changes nothing.
+    // faces of the two meet. The longest ends first.
     bool dropOvershoot() {
-        std::vector<std::pair<double, size_t>> ends;
+        std::vector<std::pair<std::array<double, 3>, size_t>> ends;
         for (size_t i = 0; i < size(); ++i)
-            if (isEndOfWall(i) || (info(i).piece < 0 && !info(i).gap))
-                ends.emplace_back(-glm::length(edge(i)), i);
-        std::ranges::sort(ends);
+            if (isEndOfWall(i) || (info(i).piece < 0 && !info(i).gap)) ends.emplace_back(rank(i), i);
+        std::ranges::sort(ends, std::greater(), [](const auto& end) { return end.first; });
         return std::ranges::any_of(ends, [&](const auto& end) {
             return (isEndOfWall(end.second) && endAtFace(end.second)) || endAtCorner(end.second);
         });
@@ -281,14 +290,13 @@ private:
     }
 
     bool dropShort(double shortest) {
-        std::vector<std::pair<double, size_t>> shortOnes;
+        std::vector<std::pair<std::array<double, 3>, size_t>> shortOnes;
         for (size_t i = 0; i < size(); ++i)
-            if (const double length = glm::length(edge(i)); length < shortest)
-                shortOnes.emplace_back(length, i);
+            if (glm::length(edge(i)) < shortest) shortOnes.emplace_back(rank(i), i);
         std::ranges::sort(shortOnes);
-        for (const auto& [length, i] : shortOnes)
+        for (const auto& [rank, i] : shortOnes)
             for (const glm::dvec2 corner : replacements(i)) {
-                if (length > kTouches && !fits(i + size() - 1, i + 2, corner)) continue;
+                if (glm::length(edge(i)) > kTouches && !fits(i + size() - 1, i + 2, corner)) continue;
                 loop_.points[(i + 1) % size()] = corner;
                 erase(i);
                 return true;

@@ -16,7 +16,6 @@ namespace heliodon::geometry {
 
 namespace {
 
-constexpr double kSmallestPane = 0.05; // square inches
 constexpr double kApart = 0.005;       // inches: nearer divisions of a wall are one
 const double kPartitionTop = heightInches(HeightClass::green);
 

@@ -10,6 +10,8 @@
 
 namespace heliodon::geometry {
 
+constexpr double kSmallestPane = 0.05; // square inches: what of skylights is smaller in a room is ceiling
+
 // Indices into Building::materials.
 struct RoomMaterials {
     uint32_t floor = 0, ceiling = 0, glazing = 0;

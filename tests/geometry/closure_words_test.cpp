@@ -61,6 +61,28 @@ TEST(ClosureWords, a_skylight_of_no_size_is_too_small) {
     EXPECT_EQ(closeSketch(s).report.code, "SKYLIGHT_OUTSIDE");
 }
 
+// Whose middle lies on the edge between the two that cover it; and of one within another one the small one,
+// wherever their middles lie.
+TEST(ClosureWords, a_skylight_under_others_is_covered) {
+    const auto skylight = [](const std::string& id, glm::dvec2 center, glm::dvec2 size) {
+        Skylight out;
+        out.id = id;
+        out.center = center;
+        out.size = size;
+        return out;
+    };
+    Sketch s = square(12, 10);
+    s.skylights = {skylight("a", {4, 5}, {4, 4}), skylight("b", {8, 5}, {4, 4}),
+                   skylight("c", {6, 5}, {2, 2})};
+    EXPECT_EQ(closeSketch(s).report.message, "1 room; skylight c lies under others and adds nothing");
+    for (const double x : {3.0, 5.0}) {
+        s.skylights = {skylight("big", {4, 5}, {4, 4}), skylight("small", {x, 5}, {1, 1})};
+        const ClosureReport report = closeSketch(s).report;
+        EXPECT_EQ(report.message, "1 room; skylight small lies under others and adds nothing");
+        EXPECT_EQ(report.skylightPaneCount, 1);
+    }
+}
+
 TEST(ClosureWords, a_window_that_is_left_out_is_not_said_to_be_cut) {
     Sketch s = square(12, 10);
     s.walls[0].b = {60, 0};
