@@ -25,6 +25,7 @@
 #include "geometry/perpendicular.h"
 #include "geometry/plan_arrangement.h"
 #include "geometry/plan_lines.h"
+#include "geometry/plan_paths.h"
 #include "geometry/plan_regions.h"
 #include "geometry/plan_rings.h"
 #include "geometry/plan_snapping.h"
@@ -87,6 +88,7 @@ public:
         for (const double price : kRingPrices)
             if (unusedWalls() >= kFewestGaps) selectAll(price);
         ringsOnly_ = false;
+        dropPaths(plan_, lines_, map_, solid_, seenWalls(), inside_);
         accept(sealed());
         return trace();
     }
@@ -227,6 +229,12 @@ private:
             if (const int piece = faceOf(h); piece >= 0)
                 faces_.push_back({h, group(map_.cell[h]), piece, stretch(h, piece), isAhead(h)});
         }
+    }
+
+    std::vector<SeenWall> seenWalls() const {
+        std::vector<SeenWall> out;
+        for (const WallFace& face : faces_) out.push_back({face.half, face.piece});
+        return out;
     }
 
     // Where a wall would stand if it were lengthened. A gap before that is filled in line with the side of

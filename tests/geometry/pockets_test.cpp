@@ -97,6 +97,35 @@ TEST(Pockets, passages_past_a_corner_are_open_from_where_doors_are) {
     }
 }
 
+// A wall before the facade that stands for itself, though the facade has a hole there. One that ends where
+// the facade does is the front of a porch, one with a room behind it the other side of a corridor.
+TEST(Pockets, the_path_along_a_garden_wall_is_none) {
+    for (const double off : {2.5, 4.0})
+        for (const bool porch : {false, true}) {
+            SCOPED_TRACE(testing::Message() << off << ", porch " << porch);
+            Sketch s = box();
+            s.walls[0].b.x = -2;
+            s.walls.push_back(wall("s2", {2, -6}, {9 + kHalf, -6}));
+            const double end = porch ? 9 + kHalf : 5;
+            s.walls.push_back(wall("garden", {-end, -6 - off}, {end, -6 - off}));
+            const ClosureReport report = closeSketch(s).report;
+            ASSERT_EQ(report.rooms.size(), 1u) << report.message;
+            EXPECT_NEAR(report.rooms[0].floorAreaFt2, porch ? kBox + 17.625 * off : kBox, porch ? 5 : 1e-6);
+            EXPECT_EQ(std::ranges::find(report.walls, "garden", &WallRole::id)->role,
+                      porch ? "exterior" : "outside_extra");
+        }
+    Sketch s = box();
+    for (Wall* w : {&s.walls[1], &s.walls[3]}) { // a corridor from hole to hole
+        const bool up = w->b.y > w->a.y;
+        s.walls.push_back(wall(w->id + "2", {w->a.x, up ? 1.6 : -1.6}, w->b));
+        w->b.y = up ? -1.6 : 1.6;
+    }
+    s.walls.push_back(wall("c", {-9, 1.7}, {9, 1.7}));
+    s.walls.push_back(wall("d1", {-9, -1.7}, {-1, -1.7}));
+    s.walls.push_back(wall("d2", {2, -1.7}, {9, -1.7}));
+    EXPECT_EQ(closeSketch(s).report.rooms.size(), 2u);
+}
+
 // Thin ones, whose middle is as near to that of the wall as a copy's would be.
 TEST(Pockets, flat_pilasters_stand_out) {
     for (const double thickness : {0.2, 0.25})

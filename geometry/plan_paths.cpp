@@ -1,0 +1,147 @@
+#include "geometry/plan_paths.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+
+#include <glm/geometric.hpp>
+
+#include "geometry/disjoint_sets.h"
+#include "geometry/perpendicular.h"
+#include "geometry/plan_fillings.h"
+
+namespace heliodon::geometry {
+
+namespace {
+
+constexpr double kLeast = 0.5;  // inches: less of a wall, or of an opening, is none
+constexpr double kAcross = 0.7; // the sine of the angle between walls and the way from one to the other
+constexpr double kAtEnd = 1;    // inches: from the end of a wall
+
+class PathFinder {
+public:
+    PathFinder(const PlanWalls& plan, const PlanLines& lines, const PlanArrangement& map,
+               const std::vector<bool>& solid, const std::vector<SeenWall>& seen,
+               const std::vector<bool>& inside)
+        : plan_(plan), lines_(lines), map_(map), solid_(solid), inside_(inside), cells_(map.cellCount) {
+        for (uint32_t h = 0; h < map.cell.size(); h += 2)
+            if (inside[map.cell[h]] && inside[map.cell[h + 1]] && !isInSide(h))
+                cells_.join(map.cell[h], map.cell[h + 1]);
+        for (uint32_t h = 0; h < map.cell.size(); ++h) addOpening(h);
+        for (const SeenWall& wall : seen)
+            if (inside[map.cell[wall.half]]) {
+                double& length = parts_[cells_.root(map.cell[wall.half])].walls[wall.piece];
+                if (length == 0) ++seenFrom_[wall.piece];
+                length += glm::length(point(map.target[wall.half]) - point(map.source(wall.half)));
+            }
+    }
+
+    void drop(std::vector<bool>& inside) {
+        std::set<uint32_t> dropped;
+        for (const auto& [id, part] : parts_)
+            if (isPath(part)) dropped.insert(id);
+        if (dropped.empty()) return;
+        for (const auto& [id, part] : parts_) // and what lies between the two faces of the opening
+            if (part.walls.empty() &&
+                std::ranges::any_of(part.beyond, [&](uint32_t other) { return dropped.contains(other); }))
+                dropped.insert(id);
+        for (uint32_t c = 0; c < map_.cellCount; ++c)
+            if (inside[c] && dropped.contains(cells_.root(c))) inside[c] = false;
+    }
+
+private:
+    struct Part {                     // of a room, up to the openings of straight sides
+        std::map<int, double> walls;  // piece: length that it sees of it
+        std::vector<uint32_t> open;   // half-edges to the outside, but openings of straight sides
+        std::vector<uint32_t> beyond; // parts
+    };
+
+    glm::dvec2 point(uint32_t i) const { return map_.points[i]; }
+
+    bool isInSide(uint32_t half) const {
+        return std::ranges::any_of(map_.tags[half / 2], [&](const PlanArrangement::Tag& tag) {
+            return lines_.lines[static_cast<size_t>(tag.tag)].alongSide;
+        });
+    }
+
+    void addOpening(uint32_t half) {
+        const uint32_t own = map_.cell[half], other = map_.cell[half ^ 1u];
+        if (!inside_[own] || solid_[other]) return;
+        if (!inside_[other]) {
+            if (!isInSide(half)) parts_[cells_.root(own)].open.push_back(half);
+        } else if (cells_.root(own) != cells_.root(other))
+            parts_[cells_.root(own)].beyond.push_back(cells_.root(other));
+    }
+
+    bool isPath(const Part& part) const {
+        if (part.beyond.empty()) return false;
+        std::set<int> sides;
+        glm::dvec2 along{0};
+        bool free = false;
+        for (const auto& [i, length] : part.walls) {
+            const WallPiece& wall = plan_.pieces[static_cast<size_t>(i)];
+            if (length < kLeast) continue;
+            if (wall.curved) return false;
+            const glm::dvec2 d = glm::normalize(wall.b - wall.a);
+            if (sides.empty()) along = d;
+            if (std::abs(cross(along, d)) > kParallelSine) return false;
+            sides.insert(wall.line);
+            free = free || seenFrom_.at(i) == 1;
+        }
+        return free && sides.size() == 2 && isOpenAtBothEnds(part, along);
+    }
+
+    // Whether two stretches of its border lead from wall to wall, not both from end to end.
+    bool isOpenAtBothEnds(const Part& part, glm::dvec2 along) const {
+        DisjointSets points(map_.points.size());
+        for (const uint32_t h : part.open) points.join(map_.source(h), map_.target[h]);
+        std::map<uint32_t, std::map<uint32_t, int>> borders; // stretch: point: edges that come, less those
+        for (const uint32_t h : part.open) {                 // that leave
+            std::map<uint32_t, int>& border = borders[points.root(map_.source(h))];
+            --border[map_.source(h)];
+            ++border[map_.target[h]];
+        }
+        int across = 0;
+        bool fromEnds = true;
+        for (const auto& [id, border] : borders) {
+            glm::dvec2 way{0};
+            bool atEnds = true;
+            for (const auto& [i, count] : border) {
+                way += static_cast<double>(count) * point(i);
+                atEnds = atEnds && (count == 0 || isAtEnd(part, point(i)));
+            }
+            if (glm::length(way) < kLeast || std::abs(cross(along, way)) < kAcross * glm::length(way))
+                continue;
+            ++across;
+            fromEnds = fromEnds && atEnds;
+        }
+        return across > 1 && !fromEnds;
+    }
+
+    bool isAtEnd(const Part& part, glm::dvec2 p) const {
+        return std::ranges::any_of(part.walls, [&](const auto& seen) {
+            const WallPiece& wall = plan_.pieces[static_cast<size_t>(seen.first)];
+            return std::min(glm::length(wall.a - p), glm::length(wall.b - p)) < kAtEnd;
+        });
+    }
+
+    const PlanWalls& plan_;
+    const PlanLines& lines_;
+    const PlanArrangement& map_;
+    const std::vector<bool>& solid_;
+    const std::vector<bool>& inside_;
+    mutable DisjointSets cells_;
+    std::map<uint32_t, Part> parts_;
+    std::map<int, size_t> seenFrom_; // piece: parts
+};
+
+} // namespace
+
+void dropPaths(const PlanWalls& plan, const PlanLines& lines, const PlanArrangement& map,
+               const std::vector<bool>& solid, const std::vector<SeenWall>& seen, std::vector<bool>& inside) {
+    if (std::ranges::none_of(lines.lines, &PlanLine::alongSide)) return;
+    PathFinder(plan, lines, map, solid, seen, inside).drop(inside);
+}
+
+} // namespace heliodon::geometry

@@ -1,0 +1,25 @@
+// Two straight walls enclose nothing, nor do they where a room opens to the air between them: the path along
+// a garden wall.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "geometry/plan_arrangement.h"
+#include "geometry/plan_lines.h"
+#include "geometry/plan_walls.h"
+
+namespace heliodon::geometry {
+
+// A half-edge along a wall, with air on its left.
+struct SeenWall {
+    uint32_t half = 0;
+    int piece = 0;
+};
+
+// Takes the cells of such paths out of those inside: behind openings of straight sides, between walls side by
+// side of which one has no room behind it and ends before the other one's middle.
+void dropPaths(const PlanWalls& plan, const PlanLines& lines, const PlanArrangement& map,
+               const std::vector<bool>& solid, const std::vector<SeenWall>& seen, std::vector<bool>& inside);
+
+} // namespace heliodon::geometry
