@@ -18,16 +18,18 @@ namespace heliodon::geometry {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-constexpr double kFacingSine = 0.26;  // 15 degrees: ends that look at each other
-constexpr double kFacingOffset = 0.6; // inches: by which they may miss one another
-constexpr double kDoor = 1.05;        // times a crack's width from end to end: as wide as a door
-constexpr double kSpike = 2;          // times the thickness of walls that touch: a tip longer than that
-constexpr double kBesideCorner = 0.1; // inches off what fills it
-constexpr double kRunsBy = 0.5;       // inches: nearer to its end a wall does not run by another one
-constexpr double kJustOut = 0.4;      // inches: what is an overshoot of a wall
-constexpr double kTouching = 0.02;    // inches: what facets leave between walls that touch
-constexpr double kAcross = 0.5;       // the sine of the angle between a slot and a wall that ends it
-constexpr double kBeforePocket = 1.2; // times a crack's width: what air there is before its mouth
+constexpr double kFacingSine = 0.26;   // 15 degrees: ends that look at each other
+constexpr double kFacingOffset = 0.6;  // inches: by which they may miss one another
+constexpr double kDoor = 1.05;         // times a crack's width from end to end: as wide as a door
+constexpr double kSpike = 2;           // times the thickness of walls that touch: a tip longer than that
+constexpr double kBesideCorner = 0.1;  // inches off what fills it
+constexpr double kRunsBy = 0.5;        // inches: nearer to its end a wall does not run by another one
+constexpr double kJustOut = 0.4;       // inches: what is an overshoot of a wall
+constexpr double kTouching = 0.02;     // inches: what facets leave between walls that touch
+constexpr double kWidestHole = 8;      // inches: of one in a straight side that is closed without a warning
+constexpr double kAtHole = 0.6;        // inches: by which a wall stops short of one
+constexpr double kAcross = 0.5;        // the sine of the angle between a slot and a wall that ends it
+constexpr double kBeforePocket = 1.05; // times a crack's width: what air there is before its mouth
 
 // Two ends that look at each other over a crack: the crack is the hull of the two end faces.
 std::vector<glm::dvec2> facingFill(const WallEnd& e, const WallEnd& f) {
@@ -178,13 +180,35 @@ private:
         if (touches(plan_.solids, e) && !endsBesideCopy(e)) return weldOn(e);
         int hit = -1;
         const double t = firstHit(physical_, e.middle, e.out, e.piece, &hit);
-        if (t > width_ || endsInWall(e)) return;
+        if (std::isinf(t)) return fillToHole(e);
+        if (t > width_) return;
+        if (endsInWall(e)) return;
         const std::span target(&physical_[static_cast<size_t>(hit)], 1);
         const auto reach = [&](glm::dvec2 corner) {
             const double own = firstHit(target, corner, e.out, -2);
             return corner + ((own < t + 2 * thickness(e) ? own : t) + 0.02) * e.out;
         };
         add({e.right, reach(e.right), reach(e.left), e.left});
+    }
+
+    // One that stops short of a hole in a straight side: that is closed in line with the wall's face, if it
+    // is an outer one, and parts two rooms there.
+    void fillToHole(const WallEnd& e) {
+        for (size_t i = 0; i + 1 < plan_.pieces.size(); ++i) {
+            const WallPiece &p = plan_.pieces[i], &q = plan_.pieces[i + 1]; // along their side
+            if (p.line < 0 || p.line != q.line || p.line == plan_.pieces[static_cast<size_t>(e.piece)].line)
+                continue;
+            const glm::dvec2 d = glm::normalize(p.b - p.a);
+            const double sine = cross(e.out, d), width = glm::dot(q.a - p.b, d);
+            if (std::abs(sine) < kAcross) continue;
+            const auto toFace = [&](glm::dvec2 from) {
+                return cross(p.b - from, d) / sine - std::max(p.thickness, q.thickness) / 2 / std::abs(sine);
+            };
+            const double ahead = toFace(e.middle), at = glm::dot(e.middle + ahead * e.out - p.b, d);
+            if (ahead <= 0 || ahead > kAtHole || at < 0 || at > width || width > kWidestHole) continue;
+            add({e.right, e.right + (toFace(e.right) + 0.02) * e.out,
+                 e.left + (toFace(e.left) + 0.02) * e.out, e.left});
+        }
     }
 
     // With air ahead of it and only walls that run beside it round it: one of a wall that was laid twice, no

@@ -30,11 +30,9 @@ public:
                 cells_.join(map.cell[h], map.cell[h + 1]);
         for (uint32_t h = 0; h < map.cell.size(); ++h) addOpening(h);
         for (const SeenWall& wall : seen)
-            if (inside[map.cell[wall.half]]) {
-                double& length = parts_[cells_.root(map.cell[wall.half])].walls[wall.piece];
-                if (length == 0) ++seenFrom_[wall.piece];
-                length += glm::length(point(map.target[wall.half]) - point(map.source(wall.half)));
-            }
+            if (inside[map.cell[wall.half]])
+                parts_[cells_.root(map.cell[wall.half])].walls[wall.piece] +=
+                    glm::length(point(map.target[wall.half]) - point(map.source(wall.half)));
     }
 
     void drop(std::vector<bool>& inside) {
@@ -78,7 +76,6 @@ private:
         if (part.beyond.empty()) return false;
         std::set<int> sides;
         glm::dvec2 along{0};
-        bool free = false;
         for (const auto& [i, length] : part.walls) {
             const WallPiece& wall = plan_.pieces[static_cast<size_t>(i)];
             if (length < kLeast) continue;
@@ -87,9 +84,8 @@ private:
             if (sides.empty()) along = d;
             if (std::abs(cross(along, d)) > kParallelSine) return false;
             sides.insert(wall.line);
-            free = free || seenFrom_.at(i) == 1;
         }
-        return free && sides.size() == 2 && isOpenAtBothEnds(part, along);
+        return sides.size() == 2 && isOpenAtBothEnds(part, along);
     }
 
     // Whether two stretches of its border lead from wall to wall, not both from end to end.
@@ -133,7 +129,6 @@ private:
     const std::vector<bool>& inside_;
     mutable DisjointSets cells_;
     std::map<uint32_t, Part> parts_;
-    std::map<int, size_t> seenFrom_; // piece: parts
 };
 
 } // namespace

@@ -1,5 +1,5 @@
 // Two straight walls enclose nothing, nor do they where a room opens to the air between them: the path along
-// a garden wall.
+// a garden wall, the alley between two houses.
 #pragma once
 
 #include <cstdint>
@@ -18,7 +18,7 @@ struct SeenWall {
 };
 
 // Takes the cells of such paths out of those inside: behind openings of straight sides, between walls side by
-// side of which one has no room behind it and ends before the other one's middle.
+// side that do not end together. Where they do at both ends, it is a corridor or a porch.
 void dropPaths(const PlanWalls& plan, const PlanLines& lines, const PlanArrangement& map,
                const std::vector<bool>& solid, const std::vector<SeenWall>& seen, std::vector<bool>& inside);
 

@@ -98,7 +98,7 @@ TEST(Pockets, passages_past_a_corner_are_open_from_where_doors_are) {
 }
 
 // A wall before the facade that stands for itself, though the facade has a hole there. One that ends where
-// the facade does is the front of a porch, one with a room behind it the other side of a corridor.
+// the facade does is the front of a porch; a corridor has holes at its ends.
 TEST(Pockets, the_path_along_a_garden_wall_is_none) {
     for (const double off : {2.5, 4.0})
         for (const bool porch : {false, true}) {
@@ -124,6 +124,31 @@ TEST(Pockets, the_path_along_a_garden_wall_is_none) {
     s.walls.push_back(wall("d1", {-9, -1.7}, {-1, -1.7}));
     s.walls.push_back(wall("d2", {2, -1.7}, {9, -1.7}));
     EXPECT_EQ(closeSketch(s).report.rooms.size(), 2u);
+}
+
+TEST(Pockets, a_wall_that_stops_short_of_a_hole_in_the_facade_parts_two_rooms) {
+    for (const double off : {0.0, 0.1, 0.3, 0.5}) {
+        SCOPED_TRACE(off);
+        Sketch s = box();
+        s.walls[0].b.x = -2.5;
+        s.walls.push_back(wall("s2", {3, -6}, {9 + kHalf, -6}));
+        s.walls.push_back(wall("across", {0, 6 - kHalf}, {0, -6 + kHalf + off}));
+        expectRooms(s, {8.625 * 11.625, 8.625 * 11.625}, 1e-2);
+    }
+}
+
+TEST(Pockets, the_alley_between_two_houses_is_none) {
+    Sketch s = box();
+    s.walls[1].b.y = -1; // a hole of 3 in on to the alley, which is 1.2 in wide
+    s.walls.push_back(wall("e2", {9, 2}, {9, 6 + kHalf}));
+    for (const Wall& w : box().walls) { // farther back
+        s.walls.push_back(w);
+        s.walls.back().id += "3";
+        for (glm::dvec2* p : {&s.walls.back().a, &s.walls.back().b}) *p += glm::dvec2(19.575, 2);
+    }
+    for (Wall& w : s.walls)
+        for (glm::dvec2* p : {&w.a, &w.b}) p->x -= 10;
+    expectRooms(s, {kBox, kBox}, 1e-6);
 }
 
 // Thin ones, whose middle is as near to that of the wall as a copy's would be.
