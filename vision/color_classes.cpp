@@ -153,6 +153,10 @@ private:
     std::vector<std::vector<float>> ring_;
 };
 
+// So saturated a paint is not light-blue card, and most likely a wall's top or a marker on it: they stand in
+// the light that no wall keeps from them.
+constexpr float kVividPaint = 0.65f; // of P'
+
 struct ColouredPixels {
     std::vector<Coloured> vivid,
         faint; // faint: of a thin rim, that the lens has mixed with the white beside it
@@ -186,6 +190,7 @@ ColouredPixels findColoured(const PlanView& view, const TableRegion& region, con
         const Ground* ground = region.ground.data() + start;
         const glm::vec3* light = white.grid.light.data() +
                                  static_cast<size_t>(y / kBlock) * static_cast<size_t>(white.grid.columns);
+        const auto firstBlock = static_cast<size_t>(light - white.grid.light.data());
         for (int block = 0; block < white.grid.columns; ++block) {
             const glm::vec3 gain = 1.0f / light[block];
             const int end = std::min(region.width, (block + 1) * kBlock);
@@ -202,6 +207,9 @@ ColouredPixels findColoured(const PlanView& view, const TableRegion& region, con
                     high - low >= minSaturation * high ||
                     (high - low >= kFaint * high &&
                      PaintTable::isFadedSky(hueOf(r, g, b, high, low), (high - low) / high, high));
+                if (white.lights && white.isMixture({row[3 * x], row[3 * x + 1], row[3 * x + 2]},
+                                                    firstBlock + static_cast<size_t>(block)))
+                    continue;
                 if (white.card && isTableOrCard({r, g, b}, *white.card, notTable)) continue;
                 if (high < minBright[static_cast<size_t>(ground[x])]) continue;
                 if (white.darkTable && isDarkTable({r, g, b}, *white.card, brightest)) continue;
@@ -210,7 +218,12 @@ ColouredPixels findColoured(const PlanView& view, const TableRegion& region, con
                     if (saturationOf(p * shade) < kShadeWhite || saturationOf(p * penumbra) < kShadeWhite)
                         continue;
                 }
-                const float hue = hueOf(r, g, b, high, low);
+                float hue = hueOf(r, g, b, high, low);
+                if (white.lights && high - low > kVividPaint * high) {
+                    const glm::vec3 p = glm::vec3(row[3 * x], row[3 * x + 1], row[3 * x + 2]) /
+                                        white.full[firstBlock + static_cast<size_t>(block)];
+                    if (saturationOf(p) > minSaturation) hue = hueOf(p);
+                }
                 const float least =
                     rounding.leastSaturation({row[3 * x], row[3 * x + 1], row[3 * x + 2]}, gain);
                 if (least < kSure * (vivid ? minSaturation : leastFaint)) continue;
@@ -340,7 +353,8 @@ ClassImage classifyPixels(const PlanView& view, const geometry::Rig& rig, const 
     out.white = white.grid, out.noise = white.noiseOfWhite();
     if (white.card) out.whiteOverTable = *white.card;
     out.hidesSky = takesSkyForTable(white, options);
-    out.shadeHidesSky = takesSkyForShade(white, options);
+    out.twoLights = white.lights.has_value();
+    out.shadeHidesSky = out.twoLights || takesSkyForShade(white, options);
     settleRims(out, coloured, learned.cyanSaturation());
     if (!faint.empty()) {
         constexpr uint8_t kVivid = 205; // only the hue counts

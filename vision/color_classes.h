@@ -40,6 +40,7 @@ struct ClassImage {
     double noise = 0;            // of a pixel that is white, over its value
     double faintShare = 0;       // of the table's pixels: neither white nor vivid enough for paint
     bool hidesSky = false;       // light-blue card has the table's colour
+    bool twoLights = false;      // of different colours, each with shadows of its own
     bool shadeHidesSky = false;  // it is white in shadows that light of another colour reaches
     glm::vec3 whiteOverTable{1}; // where that is card on a table of another colour
 

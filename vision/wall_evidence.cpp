@@ -188,15 +188,25 @@ std::optional<float> WallEvidence::footStep(const Stretch& stretch, double heigh
     const double hidden = away * height / (eye.y - height); // of the table behind the foot
     const double spacing = std::min(kSpacing, hidden / 2.5);
     if (spacing * view_.pixelsPerInch(middle, 0) < kLeastPx) return std::nullopt;
-    std::array<float, 4> level{}; // two on the face, two on the table
-    for (size_t k = 0; k < level.size(); ++k)
+    std::array<glm::vec3, 4> light{}; // two on the face, two on the table
+    for (size_t k = 0; k < light.size(); ++k)
         for (const glm::dvec2& p : stretch.foot)
-            level[k] += levelAt(p + (static_cast<double>(k) - 1.5) * spacing * stretch.outward, 0) /
-                        static_cast<float>(stretch.foot.size());
-    const float mean = 0.25f * (level[0] + level[1] + level[2] + level[3]);
-    if (mean < kDarkest || mean > kOverexposed) return std::nullopt;
-    // Less what an even gradient of light has there.
-    return std::abs(level[1] - level[2] - 0.5f * (level[0] - level[1] + level[2] - level[3])) / mean;
+            light[k] +=
+                view_.light(view_.pixel(p + (static_cast<double>(k) - 1.5) * spacing * stretch.outward, 0)) /
+                static_cast<float>(stretch.foot.size());
+    const auto step = [&](const auto& levelOf) -> std::optional<float> {
+        std::array<float, 4> level{};
+        for (size_t k = 0; k < level.size(); ++k) level[k] = levelOf(light[k]);
+        const float mean = 0.25f * (level[0] + level[1] + level[2] + level[3]);
+        if (mean < kDarkest || mean > kOverexposed) return std::nullopt;
+        // Less what an even gradient of light has there.
+        return std::abs(level[1] - level[2] - 0.5f * (level[0] - level[1] + level[2] - level[3])) / mean;
+    };
+    std::optional<float> most = step([](glm::vec3 l) { return (l.r + l.g + l.b) / 3; });
+    // A face and the table at its foot in two lights may be as bright as one another, but not of one colour.
+    for (int c = 0; c < 3 && most && image_.twoLights; ++c)
+        most = std::max(*most, step([c](glm::vec3 l) { return l[c]; }).value_or(0));
+    return most;
 }
 
 float WallEvidence::endStep(glm::dvec2 end, glm::dvec2 outward, double height) const {

@@ -1,6 +1,7 @@
 #include "vision/white_map.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <optional>
@@ -16,6 +17,7 @@
 #include "vision/chroma.h"
 #include "vision/median.h"
 #include "vision/rounding.h"
+#include "vision/two_lights.h"
 
 namespace heliodon::vision {
 namespace {
@@ -52,6 +54,8 @@ double relativeNoise(const PlanView& view, const TableRegion& region) {
            std::sqrt(6.0); // 1, -2, 1: six times the variance
 }
 
+constexpr float kBlockSamples = 4; // root of how many pixels a block's mean is of
+
 // Mean light of each block, from every second pixel of every second row; w: 1 where all of it is table.
 std::vector<cv::Vec4f> blockMeans(const PlanView& view, const TableRegion& region, const WhiteMap& map) {
     const Photograph& photo = view.photo();
@@ -78,6 +82,28 @@ std::vector<cv::Vec4f> blockMeans(const PlanView& view, const TableRegion& regio
                 sum;
         }
     return out;
+}
+
+// Whether the quarters of a block have one colour: else paint or the edge of a shadow covers a part.
+bool isEven(const PlanView& view, const TableRegion& region, int column, int row) {
+    constexpr float kApart = 0.12f; // of P'
+    const Photograph& photo = view.photo();
+    const auto& linear = view.linearFromByte();
+    std::array<glm::vec3, 4> quarter{};
+    for (int y = 0; y < kBlock; ++y)
+        for (int x = 0; x < kBlock; ++x) {
+            const int inPhotoX = std::min(region.x0 + column * kBlock + x, photo.width - 1),
+                      inPhotoY = std::min(region.y0 + row * kBlock + y, photo.height - 1);
+            const uint8_t* p =
+                &photo.rgb[3 * (static_cast<size_t>(inPhotoY) * static_cast<size_t>(photo.width) +
+                                static_cast<size_t>(inPhotoX))];
+            quarter[static_cast<size_t>(2 * (2 * y / kBlock) + 2 * x / kBlock)] +=
+                glm::vec3(linear[p[0]], linear[p[1]], linear[p[2]]);
+        }
+    const glm::vec3 all = quarter[0] + quarter[1] + quarter[2] + quarter[3];
+    return std::all_of(quarter.begin(), quarter.end(), [&](glm::vec3 q) {
+        return saturationOf(q / glm::max(all, glm::vec3(1e-6f))) < kApart;
+    });
 }
 
 // Two running means: close to a Gaussian, at a cost that does not grow with its width.
@@ -226,6 +252,17 @@ Light lightOnTable(const std::vector<cv::Vec4f>& blocks, int rows, int columns, 
 
 } // namespace
 
+bool WhiteMap::isMixture(glm::vec3 seen, size_t block) const {
+    constexpr float kDark = 0.3f,
+                    kBluer = 0.5f; // of the light on the table near by; of the way between the lights
+    if (open[block]) return false;
+    const glm::vec3& local = grid.light[block];
+    if (seen.g < kDark * local.g && lights->shareOfSecond(seen) > lights->shareOfSecond(local) + kBluer)
+        return false;
+    const float dim = lights->typicalGreen() / std::max(seen.g, 1e-5f);
+    return lights->isMixture(seen, static_cast<float>(noise) * std::sqrt(dim));
+}
+
 TableRegion findTable(const PlanView& view, double radiusInches, double overEdge) {
     auto disc = circle(view, radiusInches, 0);
     std::vector<cv::Point> all = disc, hull;
@@ -282,6 +319,35 @@ WhiteMap findWhite(const PlanView& view, const TableRegion& region, const std::o
         light = std::move(found), out.grid = std::move(grid), card = seen;
         return true;
     };
+    const auto readMixture = [&] {
+        std::vector<LitBlock> lit;
+        for (const auto& p : blocks) lit.push_back({{p[0], p[1], p[2]}, p[3] > 0, true});
+        const glm::vec3 colour(global[0], global[1], global[2]);
+        if (!TwoLights::find(lit, colour, 0)) return false;
+        out.noise = relativeNoise(view, region);
+        for (int j = 0, i = 0; j < out.grid.rows; ++j)
+            for (int k = 0; k < out.grid.columns; ++k, ++i)
+                if (LitBlock& block = lit[static_cast<size_t>(i)]; block.isTable)
+                    block.isEven = isEven(view, region, k, j);
+        const auto lights = TwoLights::find(lit, colour, static_cast<float>(out.noise) / kBlockSamples);
+        if (!lights) return false;
+        auto mixed = mixedLight(*lights, lit, out.grid.rows, out.grid.columns, typical,
+                                view.pixelsPerInch({0, 0}, 0) / kBlock);
+        if (!mixed) return false;
+        out.lights = lights, out.full = std::move(mixed->full), out.open = std::move(mixed->open),
+        out.grid.light = std::move(mixed->local);
+        return true;
+    };
+    if (readMixture()) {
+        LightGrid full = out.grid;
+        full.light = out.full;
+        card = known ? known : findCard(view, region, full);
+        if (card) {
+            holdAgainstCard(out, *card);
+            for (glm::vec3& all : out.full) all *= card->overTable;
+        }
+        return out;
+    }
     if (!read(kAny, false)) return out;
     // Card in all its faces is of a black table's chroma, but is not table.
     if (card && isDark(*card)) read(kOfDark, true);

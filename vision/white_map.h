@@ -10,6 +10,7 @@
 #include <glm/vec3.hpp>
 
 #include "vision/plan_view.h"
+#include "vision/two_lights.h"
 
 namespace heliodon::vision {
 
@@ -41,6 +42,13 @@ struct WhiteMap {
     bool darkTable = false; // card outshines it so much that its own colour is not known
     // Colour, green 1, of a light that alone reaches the shadows, where it differs from the light elsewhere.
     std::optional<glm::vec3> secondLight;
+    // Where two lights of different colours each throw shadows: the grid's light follows those on the table,
+    // `full` (per block) is without them.
+    std::optional<TwoLights> lights;
+    std::vector<glm::vec3> full;
+    std::vector<char> open; // see MixedLight
+    // Whether the table, or what is white in the light over it, may return that light in the block.
+    bool isMixture(glm::vec3 seen, size_t block) const;
     double noise = 0; // standard deviation of a pixel on the table over its value
     // The same of what the paints are held against: what is brighter is less noisy, as the root of its light.
     double noiseOfWhite() const { return card ? noise / std::sqrt(static_cast<double>(card->g)) : noise; }

@@ -139,6 +139,39 @@ TEST(DetectLight, walls_in_daylight_on_a_white_table_in_their_shadow) {
     EXPECT_TRUE(warnsOf(detectSketch(photo, rig), "skylights in shadows may be missed"));
 }
 
+// Daylight from one side and lamps from the other: walls keep one from the table on either side, and tops are
+// in both.
+TEST(DetectLight, shadows_of_two_lights_of_different_colours) {
+    const geometry::Rig rig = exampleRig();
+    const Color lamp{0.4, 0.3, 0.13}, daylight{0.26, 0.32, 0.42};
+    Color both{}, lampOnly{}, daylightOnly{};
+    for (size_t c = 0; c < 3; ++c) {
+        both[c] = lamp[c] + daylight[c];
+        lampOnly[c] = lamp[c] / both[c], daylightOnly[c] = daylight[c] / both[c];
+    }
+    const Lighting lights{both, both};
+    geometry::Sketch standing;
+    standing.walls = room().walls, standing.windows = room().windows;
+    const Photograph walls = paintTable(standing, rig, {}, lights), bare = paintTable({}, rig, {}, lights);
+    const Photograph photo = paintTable(room(), rig, {}, lights);
+    for (const double softPx : {1.0, 8.0}) {
+        SCOPED_TRACE(softPx);
+        Photograph shaded = photo;
+        shade(shaded, rig, {{-7.2, -4.8}, {-1.6, -4.8}, {-2, 5.2}, {-7.2, 5.2}}, 0, lampOnly, softPx);
+        shade(shaded, rig, {{-1.6, -4.8}, {7.2, -4.8}, {7.2, 5.2}, {-2, 5.2}}, 0, daylightOnly, softPx);
+        shade(shaded, rig, {{-15, -7}, {-7.6, -4.6}, {-7.6, 5}, {-14, 6}}, 0, daylightOnly, softPx);
+        shade(shaded, rig, {{7.6, -4.4}, {14, -7}, {15, 6}, {7.6, 4.8}}, 0, lampOnly, softPx);
+        Photograph picture = photo;
+        for (size_t i = 0; i < photo.rgb.size(); i += 3)
+            if (std::equal(&walls.rgb[i], &walls.rgb[i] + 3, &bare.rgb[i]))
+                std::copy_n(&shaded.rgb[i], 3, &picture.rgb[i]);
+        expectRead(room(), picture);
+        if (softPx == 1) {
+            EXPECT_TRUE(warnsOf(detectSketch(picture, rig), "skylights in shadows may be missed"));
+        }
+    }
+}
+
 // A spot of warm lamplight is brighter than the white about it in all channels, as no paint is.
 TEST(DetectLight, a_spot_of_warm_light_is_no_paint) {
     const geometry::Rig rig = exampleRig();
