@@ -129,11 +129,11 @@ cv::Mat unshaded(const cv::Mat& white) {
     constexpr float kLeast = 0.05f;                   // of the light that is brightest
     const auto termsAt = [&](int row, int column) {
         const double y = 2.0 * row / white.rows - 1, x = 2.0 * column / white.cols - 1;
-        return cv::Vec<double, kTerms>(1, x, y, x * x, x * y, y * y);
+        return cv::Matx<double, kTerms, 1>(1, x, y, x * x, x * y, y * y);
     };
     cv::Mat out(white.size(), CV_32FC2);
     for (int light = 0; light < 2; ++light) {
-        std::vector<std::pair<cv::Vec<double, kTerms>, double>> points;
+        std::vector<std::pair<cv::Matx<double, kTerms, 1>, double>> points;
         std::vector<float> amounts;
         for (const cv::Vec3f& v : cv::Mat_<cv::Vec3f>(white))
             if (v[2] > 0) amounts.push_back(v[light]);
@@ -142,23 +142,23 @@ cv::Mat unshaded(const cv::Mat& white) {
             for (int i = 0; i < white.cols; ++i)
                 if (const cv::Vec3f& v = white.at<cv::Vec3f>(j, i); v[2] > 0 && v[light] > least)
                     points.push_back({termsAt(j, i), std::log(static_cast<double>(v[light]))});
-        cv::Mat fit = cv::Mat::zeros(kTerms, 1, CV_64F);
+        cv::Matx<double, kTerms, 1> fit = fit.zeros();
         for (int pass = 0; pass < kPasses; ++pass) {
-            cv::Mat normal = 1e-6 * cv::Mat::eye(kTerms, kTerms, CV_64F),
-                    side = cv::Mat::zeros(kTerms, 1, CV_64F);
+            cv::Matx<double, kTerms, kTerms> normal = 1e-6 * normal.eye();
+            cv::Matx<double, kTerms, 1> side = side.zeros();
             for (const auto& [terms, value] : points) {
-                const double over = value - cv::Mat(terms).dot(fit);
+                const double over = value - terms.dot(fit);
                 if (pass > 0 && (over > kTooBright || over < (pass < kPasses / 2 ? -2 : -1) * kShadow))
                     continue;
-                normal += cv::Mat(terms) * cv::Mat(terms).t();
-                side += value * cv::Mat(terms);
+                normal += terms * terms.t();
+                side += value * terms;
             }
-            cv::solve(normal, side, fit, cv::DECOMP_CHOLESKY);
+            fit = normal.solve(side, cv::DECOMP_CHOLESKY);
         }
         for (int j = 0; j < white.rows; ++j)
             for (int i = 0; i < white.cols; ++i)
                 out.at<cv::Vec2f>(j, i)[light] =
-                    std::min(brightest, static_cast<float>(std::exp(cv::Mat(termsAt(j, i)).dot(fit))));
+                    std::min(brightest, static_cast<float>(std::exp(termsAt(j, i).dot(fit))));
     }
     return out;
 }
