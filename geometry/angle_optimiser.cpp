@@ -21,6 +21,27 @@ constexpr int kOptimisations = 8, kTrials = 6, kJointPasses = 3;
 const double kGoodCosine = std::cos(39 * std::numbers::pi / 180);  // angles above 39 degrees are left alone
 const double kBadCosine = std::cos(36.5 * std::numbers::pi / 180); // those below 36.5 are worth a point
 
+// From border to border where those are near: no point has room there.
+bool inStrip(const PlanarNet& net, uint32_t t, double edge) {
+    constexpr double kStrip = 0.4; // of the edge length
+    double longest = 0;
+    for (size_t k = 0; k < 3; ++k) {
+        if (!net.onBorder(net.corner[t][k])) return false;
+        longest = std::max(
+            longest, glm::length(net.points[net.corner[t][(k + 1) % 3]] - net.points[net.corner[t][k]]));
+    }
+    return net.twiceArea(t) < kStrip * edge * longest;
+}
+
+bool mendable(const PlanarNet& net, uint32_t t, double edge) {
+    return net.worstCosine(t) >= kBadCosine && !inStrip(net, t, edge) && !net.atSharpCorner(t);
+}
+
+size_t mostTries(const PlanarNet& net) {
+    constexpr size_t kFewTries = 5, kTrianglesATry = 20;
+    return kFewTries + net.corner.size() / kTrianglesATry;
+}
+
 class Optimiser {
 public:
     Optimiser(PlanarNet& net, double edge) : net_(net), edge_(edge) {}
@@ -73,13 +94,13 @@ private:
     size_t mendTriangles(size_t mostAdded) {
         // Where many are bad the parts are small beside the edges: points would only crowd them, and those
         // there are have no room to make.
-        const size_t most = kFewTries + net_.corner.size() / kTrianglesATry;
+        const size_t most = mostTries(net_);
         size_t mendables = 0, tries = 0, added = 0;
-        for (uint32_t t = 0; t < net_.corner.size(); ++t) mendables += mendable(t);
+        for (uint32_t t = 0; t < net_.corner.size(); ++t) mendables += mendable(net_, t, edge_);
         const bool crowded = mendables > most;
         std::optional<Stars> stars;
         for (uint32_t t = 0; t < net_.corner.size() && tries < most; ++t) {
-            if (!mendable(t)) continue;
+            if (!mendable(net_, t, edge_)) continue;
             ++tries;
             if (!stars) stars.emplace(net_);
             const NetPart part(net_, *stars, t, kRings);
@@ -108,21 +129,6 @@ private:
             stars.reset();
         }
         return added;
-    }
-
-    bool mendable(uint32_t t) const {
-        return net_.worstCosine(t) >= kBadCosine && !inStrip(net_, t) && !net_.atSharpCorner(t);
-    }
-
-    // From border to border where those are near: no point has room there.
-    bool inStrip(const PlanarNet& net, uint32_t t) const {
-        double longest = 0;
-        for (size_t k = 0; k < 3; ++k) {
-            if (!net.onBorder(net.corner[t][k])) return false;
-            longest = std::max(
-                longest, glm::length(net.points[net.corner[t][(k + 1) % 3]] - net.points[net.corner[t][k]]));
-        }
-        return net.twiceArea(t) < kStrip * edge_ * longest;
     }
 
     // The middle of the triangle's longest side that is not on the boundary.
@@ -158,7 +164,7 @@ private:
             const double cosine = net.worstCosine(t);
             if (cosine <= kGoodCosine || net.atSharpCorner(t)) continue;
             bad.worst = std::max(bad.worst, cosine);
-            if (inStrip(net, t)) continue;
+            if (inStrip(net, t, edge_)) continue;
             bad.sum += shortfall(cosine);
             bad.worstOpen = std::max(bad.worstOpen, cosine);
         }
@@ -296,11 +302,9 @@ private:
         return least < before - 1e-3;
     }
 
-    static constexpr size_t kFewTries = 5, kTrianglesATry = 10;
     static constexpr int kRings = 2;
     static constexpr double kWorthMoving = 0.001, kWorthAPoint = 0.004; // in terms of a cosine
     static constexpr double kGoodEnough = 0.03, kTurned = 1e300;
-    static constexpr double kStrip = 0.4; // of the edge length
     static constexpr double kHalf = 0.70710678;
     static constexpr std::array<glm::dvec2, 8> kDirections{{{1, 0},
                                                             {kHalf, kHalf},
@@ -319,6 +323,20 @@ private:
 
 size_t raiseAngles(PlanarNet& net, double edge, size_t mostAdded) {
     return Optimiser(net, edge).optimise(mostAdded);
+}
+
+SmallAngles smallAngles(const PlanarNet& net, double edge) {
+    SmallAngles found;
+    for (uint32_t t = 0; t < net.corner.size(); ++t) {
+        if (inStrip(net, t, edge) || net.atSharpCorner(t)) continue;
+        const double cosine = net.worstCosine(t);
+        found.triangles += cosine >= kBadCosine;
+        if (cosine <= found.worst) continue;
+        found.worst = cosine;
+        found.atInner = std::ranges::any_of(net.corner[t], [&](uint32_t v) { return net.inner(v); });
+    }
+    found.crowded = found.triangles > mostTries(net);
+    return found;
 }
 
 } // namespace heliodon::geometry

@@ -12,4 +12,13 @@ namespace heliodon::geometry {
 // points it added, at most `mostAdded`.
 size_t raiseAngles(PlanarNet& net, double edge, size_t mostAdded);
 
+// What is left of small angles, but for those in strips and at sharp corners.
+struct SmallAngles {
+    double worst = 0;     // cosine of the smallest angle
+    bool atInner = false; // the triangle with it has a point that can move
+    size_t triangles = 0; // that are worth mending
+    bool crowded = false; // they are so many that only some were tried, without moving points together
+};
+SmallAngles smallAngles(const PlanarNet& net, double edge);
+
 } // namespace heliodon::geometry

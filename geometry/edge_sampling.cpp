@@ -25,6 +25,7 @@ constexpr double kWorthGrading = 0.8; // of the edge length: sizes above make no
 // for thin strips: shorter steps would only make what lies beside them as small as they are.
 constexpr double kNarrowStrip = 0.363, kWideStrip = 0.688, kThinStrip = 0.25;
 constexpr double kThin = 0.5;          // of the edge length
+constexpr double kThinnest = 0.4;      // likewise: wider ones have steps as short as their ends
 constexpr double kFinestStrip = 0.7;   // of the edge length
 constexpr double kRowLength = 1.1;     // of the next side: as long, but for slanted ends
 constexpr double kHalfStep = 0.55;     // of the step beside it: what half a step is at most
@@ -353,8 +354,8 @@ void EdgeSampler::stagger(const Strip& strip) {
         lead.pins.clear();
         lead.even = true;
     } else if (!lead.even) {
-        // Its own ends, which are as short as it is wide, ask for no shorter steps of a thin one.
-        const auto steps = stepsAlong(lead, step, strip.width < kThin * edge ? strip.domain : kNone);
+        // Its own ends, which are as short as it is wide, ask for no shorter steps of a very thin one.
+        const auto steps = stepsAlong(lead, step, strip.width < kThinnest * edge ? strip.domain : kNone);
         lead.divisions.clear();
         divideEvenly(steps, std::max(1.0, std::round(steps.back().second)), lead.divisions);
         lead.even = true;

@@ -11,6 +11,7 @@
 #include <limits>
 #include <map>
 #include <optional>
+#include <utility>
 
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
@@ -20,6 +21,7 @@
 #include "geometry/mesh_domains.h"
 #include "geometry/perpendicular.h"
 #include "geometry/planar_mesher.h"
+#include "geometry/second_tries.h"
 #include "geometry/slot_sizes.h"
 #include "geometry/twin_faces.h"
 #include "geometry/unused_vertices.h"
@@ -37,6 +39,7 @@ constexpr double kMostAdditions = 40, kAdditionsOfCount = 0.014;
 constexpr double kColumn = 0.93;
 // Of the edge length: triangles lean across facets that are narrower. Models may have any number of them.
 constexpr double kNarrowest = 0.25, kNarrowestOfMany = 0.36;
+constexpr double kTriedAgain = 0.3; // of the count: triangles that are meshed a second time for better angles
 constexpr double kUniform = std::numeric_limits<double>::infinity();
 // Where the count comes in steps, as many edges are equally long; a better count is worth no worse angles.
 constexpr double kSpread = 0.25;
@@ -112,7 +115,7 @@ public:
             for (int attempt = 0; attempt < kAttempts; ++attempt) {
                 // Without grading there is no way but this one.
                 if (!chooseSizes(aim) && std::isfinite(grading.growth)) break;
-                const double count = finishDrafts();
+                const double count = settle(finishDrafts());
                 const bool reached = off(count) <= kCountReached * wanted_;
                 std::optional<Plan>& plan = grading.spread > 0 ? spread : best;
                 const double nearest = plan ? off(plan->count) : best ? off(best->count) : kUniform;
@@ -215,6 +218,25 @@ private:
             const Draft& draft = drafts_[d];
             count += draft.grid ? draft.count : static_cast<double>(draft.net->corner.size());
         }
+        return count;
+    }
+
+    // Where the count is a few too high or too low, once that is known, lattices a little coarser or finer.
+    double settle(double count) {
+        const double most = kCountReached * wanted_;
+        for (const double step : {0.03, 0.06})
+            for (size_t d = 0; d < drafts_.size(); ++d) {
+                if (off(count) <= most || off(count) > 2 * most) return count;
+                if (drafts_[d].count < 8 || drafts_[d].grid || faceOf(d).twin >= 0) continue;
+                Draft old = std::exchange(drafts_[d], draftOf(d, count > wanted_ ? 1 + step : 1 - step));
+                triangulate(d);
+                const double now = count + static_cast<double>(drafts_[d].net->corner.size()) -
+                                   static_cast<double>(old.net->corner.size());
+                if (off(now) < off(count))
+                    count = now;
+                else
+                    drafts_[d] = std::move(old);
+            }
         return count;
     }
 
@@ -385,6 +407,8 @@ private:
 
     PatchMesh meshOnce(Plan& plan) {
         plan_ = &plan;
+        count_ = plan.count;
+        secondTries_ = SecondTries(kTriedAgain * wanted_);
         const double room = 0.5 * (wanted_ * (1 + kCountReached) - plan.count);
         additions_ = static_cast<size_t>(std::max(0.0, std::min(mostAdditions(plan.grading), room)));
         mesh_ = {};
@@ -412,8 +436,15 @@ private:
         Draft& draft = plan_->drafts[d];
         std::vector<uint32_t> vertices = boundaryVertices(domains_[d]);
         if (draft.grid) return meshGrid(d, vertices, *draft.grid);
-        const PlanarMesh flat = improvedMesh(std::move(*draft.net), draft.plane, additions_);
-        additions_ -= flat.added;
+        const double drafted = static_cast<double>(draft.net->corner.size()),
+                     copies = faceOf(d).twin >= 0 ? 2 : 1, off = kCountReached * wanted_;
+        const SecondTries::Range range{drafted + (wanted_ - off - count_) / copies,
+                                       drafted + (wanted_ + off - count_) / copies};
+        const PlanarMesh flat = secondTries_.best(
+            improvedMesh(std::move(*draft.net), draft.plane, additions_), draft.plane, additions_, range);
+        count_ += copies * (static_cast<double>(flat.triangles.size()) - drafted);
+        const double room = std::max(0.0, 0.5 * (wanted_ + off - count_));
+        additions_ = std::min(additions_ - flat.added, static_cast<size_t>(room));
         for (size_t i = vertices.size(); i < flat.points.size(); ++i) {
             vertices.push_back(static_cast<uint32_t>(mesh_.vertices.size()));
             mesh_.vertices.push_back(domains_[d].inSpace(flat.points[i]));
@@ -504,9 +535,11 @@ private:
     const std::function<void()>& beforePart_;
     // `regular_`: the edge length of so many equal triangles, metres.
     double wanted_, narrowest_, regular_;
-    double longest_ = kUniform;      // edge that is worth looking at with this grading, metres
-    double edge_ = 0, added_ = 0;    // added: triangles that refinement adds, as far as known
-    size_t additions_ = 0;           // points that optimisation may still add
+    double longest_ = kUniform;   // edge that is worth looking at with this grading, metres
+    double edge_ = 0, added_ = 0; // added: triangles that refinement adds, as far as known
+    size_t additions_ = 0;        // points that optimisation may still add
+    double count_ = 0;            // of triangles, as far as known when a domain is meshed
+    SecondTries secondTries_{0};
     std::vector<double> areas_;      // per domain
     std::vector<Draft> drafts_;      // per domain, for the edge and lattices chosen
     double draftedEdge_ = 0;         // of all drafts, with the grading; the sampler's too

@@ -16,6 +16,7 @@ struct PlanarDomain {
     std::vector<uint32_t> loopStart{0}; // loop k is boundary[loopStart[k] .. loopStart[k + 1])
     glm::dvec2 direction{1, 0};         // of its longest straight side
     SizeField size;                     // of the edges wanted
+    double apart = 0.35;                // of the size there: how far off the boundary refinement keeps
     bool dividesSlim = true;            // refinement divides slim triangles where sizes are not uniform
     bool graded = true;                 // beside what is small triangles are small too
     // Of an unrolled wall: x of the upright folds between its facets, ascending, with points of the boundary

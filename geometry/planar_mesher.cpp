@@ -82,7 +82,7 @@ private:
         if (!slim && !domain_.size.atMost(a + offset, radius / largest)) return false;
         const double size = domain_.size.at(a + offset);
         const uint32_t target = net_.locate(t, a + offset);
-        if (target == kNoTriangle || nearFixedEdge(target, a + offset, kApart * size)) return false;
+        if (target == kNoTriangle || nearFixedEdge(target, a + offset, domain_.apart * size)) return false;
         net_.insert(target, a + offset);
         return true;
     }
@@ -98,7 +98,7 @@ private:
     }
 
     // Where all else is uniform the lattice has the count; beside small parts refinement evens areas out.
-    static constexpr double kLargest = 0.95, kLargestGraded = 0.75, kApart = 0.35, kSlim = 1.2;
+    static constexpr double kLargest = 0.95, kLargestGraded = 0.75, kSlim = 1.2;
     PlanarNet& net_;
     const PlanarDomain& domain_;
 };
@@ -184,7 +184,8 @@ PlanarMesh improvedMesh(PlanarNet net, const PlanarDomain& domain, size_t mostAd
     }
     if (domain.mayLean) leaveFolds(net);
     const size_t added = raiseAngles(net, domain.size.edge(), mostAdded);
-    return {std::move(net.points), std::move(net.corner), added};
+    const SmallAngles small = smallAngles(net, domain.size.edge());
+    return {std::move(net.points), std::move(net.corner), added, small};
 }
 
 } // namespace heliodon::geometry

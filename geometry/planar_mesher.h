@@ -8,6 +8,7 @@
 
 #include <glm/vec2.hpp>
 
+#include "geometry/angle_optimiser.h"
 #include "geometry/lattice_seeds.h"
 #include "geometry/planar_domain.h"
 #include "geometry/planar_net.h"
@@ -18,6 +19,7 @@ struct PlanarMesh {
     std::vector<glm::dvec2> points;                 // the boundary's first, then the inner ones
     std::vector<std::array<uint32_t, 3>> triangles; // counter-clockwise
     size_t added = 0;                               // points, by optimisation
+    SmallAngles small{};                            // that are left
 };
 
 // Constrained Delaunay triangulation of boundary and seeds, with further points at circumcentres where

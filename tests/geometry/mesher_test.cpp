@@ -143,7 +143,7 @@ INSTANTIATE_TEST_SUITE_P(Sketches, MeshQualityOf,
                                          RoomQuality{"p11_two_buildings.json", 36, 0.13, 0.09},
                                          RoomQuality{"three_arcs.json", 36, 0.13, 0.09},
                                          RoomQuality{"i01_mixed.sketch.json", 36, 0.25, 0.09},
-                                         RoomQuality{"i02_pinwheel.sketch.json", 30.5, 0.275, 0.105}));
+                                         RoomQuality{"i02_pinwheel.sketch.json", 35.5, 0.275, 0.105}));
 
 // Where edges are many and equally long, as uprights are, the count would jump past what was asked for.
 TEST(Mesher, few_triangles_are_as_many_as_asked_where_edges_are_alike) {
@@ -161,6 +161,26 @@ TEST(Mesher, thin_walls_do_not_take_triangles_from_all_others) {
     const MeshQuality quality = measureMesh(meshBuilding(buildingOf("walls20.json"), {2000}));
     EXPECT_LE(quality.areaDeviation, 0.45);
     EXPECT_NEAR(static_cast<double>(quality.triangles), 2000, 60);
+}
+
+// A slot of 0.17 in: with steps four times its width beside it the angles were 32.7 degrees.
+TEST(Mesher, slots_nearly_half_an_edge_wide_leave_angles_large) {
+    const MeshQuality quality = measureMesh(meshBuilding(buildingOf("i02_pinwheel.sketch.json"), {5000}));
+    EXPECT_GE(quality.minAngleDeg, 35);
+    EXPECT_LE(quality.areaDeviation, 0.16);
+}
+
+// The count was six triangles off what is allowed, and all was drafted twelve times for four.
+TEST(Mesher, a_count_that_is_nearly_reached_is_settled_without_a_new_search) {
+    size_t parts = 0;
+    const Sketch sketch = sketchOf("spiral.json");
+    MeshOptions options{10000};
+    options.beforePart = [&] { ++parts; };
+    const Building building = closed(sketch, fittedTo(sketch, 10000));
+    const PatchMesh mesh = meshBuilding(building, options);
+    EXPECT_NEAR(static_cast<double>(mesh.patchCount()), 10000, 300);
+    printf("%zu parts of %zu faces\n", parts, building.faces.size());
+    EXPECT_LE(parts, 8 * building.faces.size());
 }
 
 // A box with a wall of six faces, two of them slivers: what lies in one plane is meshed as one.
