@@ -270,6 +270,30 @@ void refuseOddFilm(const TimelapseArguments& arguments) {
                                    "is odd, expected even numbers of pixels for a film");
 }
 
+// Options of pictures that are not made.
+void warnOfUnused(Run& run, const TimelapseArguments& arguments, const std::vector<std::string>& views) {
+    const bool preview = !views.empty() && views[0] == "preview", projectors = !views.empty() && !preview;
+    const auto warn = [&](bool unused, const char* option, const char* why) {
+        if (unused) run.warn(fmt::format("{} is not used: {}", option, why));
+    };
+    warn(arguments.output.extension() != ".mp4" &&
+             arguments.framesPerSecond != TimelapseArguments{}.framesPerSecond,
+         "--fps", "it is for films (-o FILM.mp4)");
+    warn(projectors && !arguments.picture.size.empty(), "--size",
+         "it is for previews, pictures of projectors have the rig's sizes");
+    warn(preview && arguments.picture.compensateScatter, "--compensate-scatter",
+         "it is for pictures of projectors");
+    if (!views.empty()) return;
+    constexpr const char* kNone = "--view none draws nothing";
+    const PictureArguments& picture = arguments.picture;
+    warn(picture.exr, "--exr", kNone);
+    warn(picture.falseColor, "--false-color", kNone);
+    warn(picture.skyColour, "--sky-color", kNone);
+    warn(picture.exposure.has_value(), "--exposure", kNone);
+    warn(!picture.size.empty(), "--size", kNone);
+    warn(picture.compensateScatter, "--compensate-scatter", kNone);
+}
+
 // What is not under the name that was given.
 void noteFilms(Run& run, const Scene& scene, const FrameSink& sink, const std::vector<std::string>& views) {
     const std::vector<std::filesystem::path> films = sink.films();
@@ -288,6 +312,7 @@ void noteFilms(Run& run, const Scene& scene, const FrameSink& sink, const std::v
 
 struct Frames {
     size_t drawn = 0, dark = 0;
+    size_t night = 0;                // of the dark ones: the sun is down
     std::vector<float> milliseconds; // of each that was not kept
 };
 
@@ -308,12 +333,13 @@ Frames makeFrames(Run& run, const Scene& scene, const SkySource& source,
         if (solved != before) figures = lightFigures(scene.mesh, *solved);
         before = solved;
         tally.add(solved->report);
-        frames.dark += source.followsTime() && figures.maxLux <= 0;
+        const daylight::SunPosition sun = source.sunAt(times[frame]);
+        if (source.followsTime() && figures.maxLux <= 0) ++frames.dark, frames.night += !sun.isUp();
         if (painter && !sink.done(frame)) {
             painter->paint(frame, solved, source, times[frame], sink);
             ++frames.drawn;
         }
-        sink.addRow(tableRow(times[frame], source.sunAt(times[frame]), figures));
+        sink.addRow(tableRow(times[frame], sun, figures));
         progress.advance(frame + 1);
         frames.milliseconds.push_back(static_cast<float>(1e3 * watch.seconds()));
     }
@@ -323,6 +349,15 @@ Frames makeFrames(Run& run, const Scene& scene, const SkySource& source,
     if (stream.repeated() > 0)
         run.skipped(fmt::format("{} frames: the same light as the frame before", stream.repeated()));
     return frames;
+}
+
+std::string whyDark(const Scene& scene, const Frames& frames) {
+    if (!mayBeLit(scene.mesh)) return "no window leads outside and nothing emits light";
+    if (frames.night == frames.dark) return "the sun is below the horizon";
+    const std::string other = "the sun is up and the sky without light";
+    return frames.night == 0 ? other
+                             : fmt::format("the sun is below the horizon, but in {} of them {}",
+                                           frames.dark - frames.night, other);
 }
 
 void reportFrames(Run& run, const Scene& scene, const Frames& frames, size_t kept, double white) {
@@ -335,9 +370,7 @@ void reportFrames(Run& run, const Scene& scene, const Frames& frames, size_t kep
                                    {"white_lux", white}});
     if (kept > 0) run.skipped(fmt::format("{} frames: --resume, an earlier run has made them", kept));
     if (frames.dark > 0)
-        run.note(fmt::format("{} of {} frames are dark: {}", frames.dark, count,
-                             mayBeLit(scene.mesh) ? "the sun is below the horizon"
-                                                  : "no window leads outside and nothing emits light"));
+        run.note(fmt::format("{} of {} frames are dark: {}", frames.dark, count, whyDark(scene, frames)));
 }
 
 } // namespace
@@ -354,6 +387,7 @@ void execute(Run& run, const TimelapseArguments& arguments) {
     moment.time = arguments.from;
     const SkySource source(run, moment, scene);
     const std::vector<std::string> views = viewsOf(run, arguments, scene);
+    warnOfUnused(run, arguments, views);
     FrameJob job = frameJobOf(run, arguments, scene, views, times.size());
     FrameSink sink({arguments.output, arguments.framesPerSecond, arguments.picture.exr, arguments.resume,
                     std::move(job), kTableHeader});

@@ -172,6 +172,42 @@ TEST_F(Timelapse, polar_day_and_polar_night) {
     EXPECT_NE(report["skipped"].dump().find(" frames: sky and ground: dark"), std::string::npos);
 }
 
+TEST_F(Timelapse, what_is_dark_by_day_is_not_said_to_be_night) {
+    const auto said = [&](const std::string& from) {
+        return heliodon("timelapse " + kOffice +
+                        " --site 48,11 --sky perez:0,0 --view none --from 2026-06-21T" + from +
+                        "solar --to 2026-06-21T12:00solar --step PT12H -o " + in("dark"))
+            .output;
+    };
+    EXPECT_NE(said("12:00").find("1 of 1 frames are dark: the sun is up and the sky without light"),
+              std::string::npos);
+    EXPECT_NE(said("00:00").find("2 of 2 frames are dark: the sun is below the horizon, but in 1 of them "
+                                 "the sun is up"),
+              std::string::npos);
+}
+
+TEST_F(Timelapse, says_which_options_are_for_other_pictures) {
+    const auto said = [&](const std::string& more) {
+        return heliodon(
+                   "timelapse " + kOffice +
+                   " --sky overcast --from 2026-06-21T12:00solar --to 2026-06-21T12:00solar --step PT1H " +
+                   "-o " + in("day") + " " + more)
+            .output;
+    };
+    const std::string none = said("--view none --exr --exposure 300 --false-color --sky-color --size 64x48");
+    for (const char* option : {"--exr", "--exposure", "--false-color", "--sky-color", "--size"})
+        EXPECT_NE(none.find(std::string(option) + " is not used: --view none draws nothing"),
+                  std::string::npos)
+            << none;
+    const std::string rig = "--rig " HELIODON_SOURCE "/examples/rig.json ";
+    const std::string preview = said(rig + "--view preview --size 64x48 --compensate-scatter --fps 30");
+    EXPECT_NE(preview.find("--compensate-scatter is not used"), std::string::npos) << preview;
+    EXPECT_NE(preview.find("--fps is not used"), std::string::npos) << preview;
+    EXPECT_EQ(preview.find("--size"), std::string::npos) << preview;
+    EXPECT_NE(said(rig + "--size 64x48").find("--size is not used"), std::string::npos);
+    EXPECT_EQ(said("--size 64x48").find("not used"), std::string::npos);
+}
+
 TEST_F(Timelapse, dark_for_want_of_a_window) {
     writeText(folder / "box.obj", "v 0 0 0\nv 4 0 0\nv 4 5 0\nv 0 5 0\nv 0 0 3\nv 4 0 3\nv 4 5 3\nv 0 5 3\n"
                                   "f 1 2 3 4\nf 8 7 6 5\nf 5 6 2 1\nf 6 7 3 2\nf 7 8 4 3\nf 8 5 1 4\n");
