@@ -26,6 +26,8 @@ namespace {
 
 constexpr double kOperatorBusy = 1.0 / 30, kOperatorIdle = 0.25; // seconds from one drawing to the next
 
+constexpr double kIdleWait = 0.02; // seconds that events are waited for
+
 constexpr const char* kLastSnapshot = "end";
 
 // Events, light and windows, in the thread that the window system wants: nothing here takes longer than
@@ -90,7 +92,16 @@ public:
     }
 
 private:
+    static void warnOfUnused(Run& run, const LiveArguments& arguments) {
+        if (arguments.windowed && !arguments.displays.empty())
+            run.warn("--display is not used: --windowed opens ordinary windows");
+        if (arguments.camera.starts_with("replay:")) return;
+        if (arguments.loop) run.warn("--loop is not used: it is for --camera replay:FOLDER");
+        if (arguments.interval != LiveArguments{}.interval)
+            run.warn("--interval is not used: it is for --camera replay:FOLDER");
+    }
     static geometry::Rig rigOf(Run& run, const LiveArguments& arguments) {
+        warnOfUnused(run, arguments);
         geometry::Rig rig = loadRig(run, arguments.scene.rig);
         assignDisplays(rig, arguments.displays);
         return rig;
@@ -134,8 +145,10 @@ private:
     void turn() {
         const bool hurried =
             operatorDue(kOperatorBusy) && (controls_.values.playing || outputs_->operatorBusy());
-        controls_.play(); // a step for each drawing, so that no core solves what nobody sees
-        const bool events = listen(dirty_ || hurried || scriptReady() ? 0 : 0.02);
+        // A step for each drawing, so that no core solves what nobody sees; where the light stays as it is,
+        // as in the night, nothing is drawn, and steps are as far apart as looks for events.
+        if (!sameLight_ || secondsSince(taken_) >= kIdleWait) controls_.play();
+        const bool events = listen(dirty_ || hurried || scriptReady() ? 0 : kIdleWait);
         if (!outputs_->wanted()) {
             outputs_->refuseLoss();
             end(outputs_->whyNotWanted());
@@ -194,6 +207,8 @@ private:
         if (ready->fromPicture) noteRow(ready->scene->row);
         lit_ = std::move(*ready);
         if (frame) outputs_->replaceScene(std::move(*frame));
+        taken_ = LiveClock::now();
+        sameLight_ = same;
         if (same) return;
         dirty_ = fresh_ = true;
         figures_.solve.add(lit_->solveSeconds);
@@ -373,10 +388,11 @@ private:
     std::optional<OutputFolder> snapshots_;
     std::vector<ScriptStep> script_;
     size_t step_ = 0;
-    LiveClock::time_point started_ = LiveClock::now(), operatorDrawn_{}, sleepUntil_{};
-    std::string ended_;  // why; empty: it goes on
-    bool dirty_ = true;  // what the projectors show is not what it should be
-    bool fresh_ = false; // there is light that no output shows yet
+    LiveClock::time_point started_ = LiveClock::now(), operatorDrawn_{}, sleepUntil_{}, taken_{};
+    std::string ended_;      // why; empty: it goes on
+    bool dirty_ = true;      // what the projectors show is not what it should be
+    bool fresh_ = false;     // there is light that no output shows yet
+    bool sameLight_ = false; // the last light taken is the one before
     std::optional<LitScene> lit_;
     LiveFigures figures_;
     std::vector<std::string> rows_; // what each of the latest sketches took

@@ -114,7 +114,9 @@ ScriptStep stepOf(const std::string& verb, Line& line, size_t windows, bool weat
 } // namespace
 
 std::vector<ScriptStep> readScript(const std::filesystem::path& file, size_t windows, bool weather) {
-    std::istringstream in(geometry::readText(file, "a script, a step a line"));
+    const std::string expected = "a script, a step a line", script = geometry::readText(file, expected);
+    geometry::refuseOtherKinds(file, script, expected); // whose lines may be endless
+    std::istringstream in(script);
     std::vector<ScriptStep> steps;
     size_t number = 0;
     for (std::string text; std::getline(in, text);) {

@@ -106,6 +106,18 @@ TEST_F(Live, four_windows_show_what_render_writes_for_the_moment_that_the_wheel_
     EXPECT_EQ(report["live"]["photo_to_light"]["count"], 1);
 }
 
+// Nothing is drawn that steps could wait for, and no core is to be kept busy by it.
+TEST_F(Live, a_night_that_is_played_is_not_solved_without_end) {
+    const Outcome outcome = live("file:" + kPhoto, "wait\nkey space\nsleep 0.5\nquit\n",
+                                 "--time 2026-03-21T20:00solar --window-scale 0.25 --loop --display P0=none");
+    ASSERT_EQ(outcome.exitCode, 0) << outcome.output;
+    EXPECT_GT(report["live"]["moments_repeated"], 5);
+    EXPECT_LE(report["live"]["moments_repeated"], 40);
+    for (const char* option : {"--loop", "--display"})
+        EXPECT_NE(outcome.output.find(std::string(option) + " is not used"), std::string::npos)
+            << outcome.output;
+}
+
 TEST_F(Live, hours_of_a_weather_file_are_shown_as_a_time_lapse_shows_them) {
     const std::string weather =
         "--exposure 3000 --weather " HELIODON_TEST_DATA "/daylight/chicago_tmy3.epw.gz ";
@@ -458,6 +470,8 @@ TEST_F(Live, bad_words_are_refused_by_name) {
         {start + "replay:" + in("empty"), "holds no photograph"},
         {start + "file:" + kPhoto + " --sky purple", "purple"},
         {start + "file:" + kPhoto + " --script " + in("script"), "script:2"},
+        {start + "file:" + kPhoto + " --script " + kPhoto,
+         "i01_mixed.png: is a picture (PNG), expected a script"},
         {start + "file:" + kPhoto + " --script " + in("weather"), "weather:2"},
         {start + "file:" + kPhoto + " --script " + in("file"), "file:1"},
         {start + "file:" + kPhoto + " --script " + in("half"), "half:1: expected a window as a whole number"},
