@@ -22,7 +22,7 @@ passes::Image8 readPicture(const fs::path& file) {
 }
 
 struct Film::Impl {
-    fs::path target, aside;
+    fs::path target, place, aside; // `target` leads to `place`, through links
     std::unique_ptr<geometry::FilmEncoder> encoder;
     BoundedQueue<std::vector<uint8_t>> frames{8};
     std::mutex mutex;
@@ -71,8 +71,11 @@ Film::Film(const fs::path& target, uint32_t width, uint32_t height, double frame
 
 Film::Film(const fs::path& target, const Open& open) : impl_(std::make_unique<Impl>()) {
     impl_->target = target;
-    impl_->aside = geometry::asideOf(target);
+    const fs::path place = geometry::placeOf(target);
+    impl_->place = place.empty() ? target : place;
+    impl_->aside = geometry::asideOf(impl_->place);
     try {
+        geometry::writeTextAside(impl_->aside, target, ""); // encoders do not say why they cannot
         impl_->encoder = open(impl_->aside);
         if (!impl_->encoder)
             throw std::runtime_error(target.string() +
@@ -99,7 +102,7 @@ void Film::close() {
     try {
         impl_->throwFailure();
         if (!impl_->encoder->finish()) impl_->fail("the film could not be written");
-        fs::rename(impl_->aside, impl_->target);
+        fs::rename(impl_->aside, impl_->place);
     } catch (...) {
         impl_->discard();
         throw;

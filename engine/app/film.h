@@ -17,8 +17,8 @@ passes::Image8 readPicture(const std::filesystem::path& file);
 
 class Film {
 public:
-    // Written beside `target` and renamed by close(): the film appears whole or not at all. Throws when no
-    // encoder is there.
+    // Written beside `target`, or beside what it links to, and renamed by close(): the film appears whole or
+    // not at all. Throws when no encoder is there.
     Film(const std::filesystem::path& target, uint32_t width, uint32_t height, double framesPerSecond);
     // With an encoder of the caller's, which writes the file that `open` is given. Where `open` throws or
     // returns none, what it has begun is removed.

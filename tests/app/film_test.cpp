@@ -47,6 +47,31 @@ TEST_F(FilmTest, appears_whole) {
     EXPECT_EQ(files(), 1u);
 }
 
+TEST_F(FilmTest, goes_where_its_name_links_to) {
+    std::filesystem::create_directory(folder / "disk");
+    std::filesystem::create_symlink("disk/real.mp4", folder / "film.mp4");
+    for (int run = 0; run < 2; ++run) { // there, or not yet
+        app::Film linked = film(1);
+        linked.add(frame());
+        linked.close();
+        EXPECT_TRUE(std::filesystem::is_symlink(folder / "film.mp4"));
+        EXPECT_EQ(readText(in("disk/real.mp4")), "begunx");
+    }
+    EXPECT_EQ(files(), 2u);
+}
+
+TEST_F(FilmTest, says_why_its_file_cannot_be_begun) {
+    const std::string name = std::string(250, 'x') + ".mp4";
+    try {
+        app::Film(in(name), [](const std::filesystem::path&) { return nullptr; });
+        FAIL();
+    } catch (const std::runtime_error& error) {
+        EXPECT_NE(std::string(error.what()).find(name + ": could not be written: File name too long"),
+                  std::string::npos)
+            << error.what();
+    }
+}
+
 TEST_F(FilmTest, that_fails_early_is_said_and_leaves_nothing) {
     for (const int frames : {0, 2}) {
         app::Film early = film(frames);
