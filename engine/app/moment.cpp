@@ -58,10 +58,12 @@ SkySource::SkySource(Run& run, const MomentArguments& arguments, const Scene& sc
         site_ = *scene.rig->site;
     else if (!named)
         assume(fmt::format("site {},{}", site_.latitudeDeg, site_.longitudeDeg));
-    if (!arguments.time.empty())
+    if (!arguments.time.empty()) {
         moment_ = daylight::parseTime(arguments.time, "--time");
-    else
+        warnOfOneLight(run);
+    } else {
         assume("time " + daylight::formatTime(moment_));
+    }
     if (arguments.sky.empty() && !weather_) assume("sky clear");
     if (!scene.assumedNorth.empty()) assume(scene.assumedNorth);
     if (!assumed.empty() && followsTime()) run.assume(assumed);
@@ -82,6 +84,11 @@ SkySource::SkySource(std::shared_ptr<const daylight::Weather> weather, double no
 
 bool SkySource::followsTime() const {
     return weather_ || daylight::skyDependsOnTime(option_);
+}
+
+void SkySource::warnOfOneLight(Run& run) const {
+    if (!followsTime())
+        run.warn(option_ + ": states one sky, which is taken for every time that is asked for");
 }
 
 std::string SkySource::title() const {

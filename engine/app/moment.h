@@ -33,6 +33,8 @@ public:
     std::string riseAndSet() const;
     // Whether the sky is another one at another time; not so of sky files.
     bool followsTime() const;
+    // A warning where it is not, for whoever asks for times (`--time` is warned of already).
+    void warnOfOneLight(Run& run) const;
     // `--time`, or its default.
     const daylight::Moment& moment() const { return moment_; }
     const daylight::Site& site() const { return site_; }

@@ -188,6 +188,7 @@ void execute(Run& run, const RenderArguments& arguments) {
     checkSize(run, arguments.picture);
     const Scene scene = loadScene(run, arguments.scene);
     const SkySource source(run, arguments.moment, scene);
+    if (sheet && arguments.moment.time.empty()) source.warnOfOneLight(run);
     const daylight::Sky sky = source.reportedSky(run);
     OutputFolder folder(arguments.output);
     folder.refuseUsed(run, "render", filesOf(arguments, scene));

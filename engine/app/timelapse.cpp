@@ -232,10 +232,12 @@ nlohmann::json frameTimes(std::vector<float> milliseconds) {
 
 constexpr const char* kTableHeader = "time,sun_azimuth_deg,sun_altitude_deg,mean_lux,max_lux,glare_ratio\n";
 
-std::string tableRow(const daylight::Moment& time, const daylight::SunPosition& sun,
+// `sun`: null where the sky does not follow time.
+std::string tableRow(const daylight::Moment& time, const daylight::SunPosition* sun,
                      const LightFigures& figures) {
-    return fmt::format("{},{:.3f},{:.3f},{:.2f},{:.2f},{:.3f}\n", daylight::formatTime(time), sun.azimuthDeg,
-                       sun.altitudeDeg, figures.meanLux, figures.maxLux, figures.glareRatio);
+    const std::string place = sun ? fmt::format("{:.3f},{:.3f}", sun->azimuthDeg, sun->altitudeDeg) : ",";
+    return fmt::format("{},{},{:.2f},{:.2f},{:.3f}\n", daylight::formatTime(time), place, figures.meanLux,
+                       figures.maxLux, figures.glareRatio);
 }
 
 std::vector<std::string> viewsOf(Run& run, const TimelapseArguments& arguments, const Scene& scene) {
@@ -339,7 +341,7 @@ Frames makeFrames(Run& run, const Scene& scene, const SkySource& source,
             painter->paint(frame, solved, source, times[frame], sink);
             ++frames.drawn;
         }
-        sink.addRow(tableRow(times[frame], sun, figures));
+        sink.addRow(tableRow(times[frame], source.followsTime() ? &sun : nullptr, figures));
         progress.advance(frame + 1);
         frames.milliseconds.push_back(static_cast<float>(1e3 * watch.seconds()));
     }

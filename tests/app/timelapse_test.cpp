@@ -186,6 +186,30 @@ TEST_F(Timelapse, what_is_dark_by_day_is_not_said_to_be_night) {
               std::string::npos);
 }
 
+// Its sun, if it has one, is not that of the frames' times.
+TEST_F(Timelapse, a_sky_file_has_one_light_and_no_sun_that_moves) {
+    writeText(folder / "sky.json",
+              R"({"format":"vh-sky/1","model":"cie_overcast","zenith_luminance_cdm2":5000})");
+    const auto said = [&](const std::string& to) {
+        return heliodon("timelapse " + kOffice + " --sky " + in("sky.json") +
+                        " --view none --from 2026-06-21T11:00solar --to 2026-06-21T" + to +
+                        "solar --step PT1H -o " + in("still"))
+            .output;
+    };
+    const std::string warning = "sky.json: states one sky, which is taken for every time";
+    EXPECT_NE(said("12:00").find(warning), std::string::npos);
+    EXPECT_NE(readText(folder / "still/frames.csv").find("\n2026-06-21T12:00:00solar,,,"), std::string::npos);
+    const std::vector<double> lux = meanLux(folder / "still/frames.csv");
+    ASSERT_EQ(lux.size(), 2u);
+    EXPECT_GT(lux[0], 0);
+    EXPECT_EQ(lux[0], lux[1]);
+    const std::string render =
+        "render " + kOffice + " --sky " + in("sky.json") + " --size 64x48 -o " + in("r");
+    EXPECT_EQ(heliodon(render).output.find(warning), std::string::npos); // no time is asked for
+    for (const char* times : {" --contact-sheet --days 06-21 --hours 12", " --time 2026-06-21T12:00solar"})
+        EXPECT_NE(heliodon(render + times).output.find(warning), std::string::npos) << times;
+}
+
 TEST_F(Timelapse, says_which_options_are_for_other_pictures) {
     const auto said = [&](const std::string& more) {
         return heliodon(
