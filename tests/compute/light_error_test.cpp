@@ -17,7 +17,7 @@
 namespace heliodon::compute {
 namespace {
 
-// Behind a partition 0.4 m from a wall it is dark below and bright above; patches there are as large as the
+// Behind a partition 0.25 m from a wall it is dark below and bright above; patches there are as large as the
 // way is wide, and a sensor on the wall hardly sees any other.
 geometry::Building roomWithPartition() {
     using geometry::HeightClass;
@@ -31,7 +31,7 @@ geometry::Building roomWithPartition() {
     add({9, -8}, {9, 8}, HeightClass::red);
     add({9, 8}, {-9, 8}, HeightClass::red);
     add({-9, 8}, {-9, -8}, HeightClass::red);
-    add({-8.3, 6}, {-5.5, 6}, HeightClass::green);
+    add({-8, 6.8}, {-5, 6.8}, HeightClass::green);
     geometry::WindowMarker& window = sketch.windows.emplace_back();
     window.id = "w", window.wall = "4", window.pos = 9, window.width = 2.5;
     window.kind = geometry::WindowKind::picture;
@@ -135,7 +135,7 @@ TEST(LightError, knows_that_errors_of_few_patches_do_not_even_out) {
             const double lux = photometric(stated[k].sensors[s].total());
             EXPECT_NEAR(lux, photometric(there[k].sensors[s].total()), stated[k].sensors[s].error)
                 << k << " " << s;
-            EXPECT_LT(stated[k].sensors[s].error, 0.1 * lux) << k << " " << s; // says something
+            EXPECT_LT(stated[k].sensors[s].error, 0.45 * lux) << k << " " << s; // says something
         }
 }
 
