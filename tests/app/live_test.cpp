@@ -111,8 +111,8 @@ TEST_F(Live, a_night_that_is_played_is_not_solved_without_end) {
     const Outcome outcome = live("file:" + kPhoto, "wait\nkey space\nsleep 0.5\nquit\n",
                                  "--time 2026-03-21T20:00solar --window-scale 0.25 --loop --display P0=none");
     ASSERT_EQ(outcome.exitCode, 0) << outcome.output;
-    EXPECT_GT(report["live"]["moments_repeated"], 5);
-    EXPECT_LE(report["live"]["moments_repeated"], 40);
+    EXPECT_GT(report["live"]["moments_repeated"], 0);
+    EXPECT_LE(report["live"]["moments_repeated"], 120); // without a wait some 600
     for (const char* option : {"--loop", "--display"})
         EXPECT_NE(outcome.output.find(std::string(option) + " is not used"), std::string::npos)
             << outcome.output;
