@@ -115,10 +115,11 @@ TEST(Pockets, the_path_along_a_garden_wall_is_none) {
                       porch ? "exterior" : "outside_extra");
         }
     Sketch s = box();
-    for (Wall* w : {&s.walls[1], &s.walls[3]}) { // a corridor from hole to hole
-        const bool up = w->b.y > w->a.y;
-        s.walls.push_back(wall(w->id + "2", {w->a.x, up ? 1.6 : -1.6}, w->b));
-        w->b.y = up ? -1.6 : 1.6;
+    for (const size_t i : {1, 3}) { // a corridor from hole to hole
+        const Wall side = s.walls[i];
+        const double end = side.b.y > side.a.y ? 1.6 : -1.6;
+        s.walls.push_back(wall(side.id + "2", {side.a.x, end}, side.b));
+        s.walls[i].b.y = -end;
     }
     s.walls.push_back(wall("c", {-9, 1.7}, {9, 1.7}));
     s.walls.push_back(wall("d1", {-9, -1.7}, {-1, -1.7}));
