@@ -16,6 +16,7 @@
 #include "geometry/counted.h"
 #include "geometry/face_soup.h"
 #include "geometry/occluder_solids.h"
+#include "geometry/outline_area.h"
 #include "geometry/perpendicular.h"
 #include "geometry/plan_curves.h"
 #include "geometry/plan_fillings.h"
@@ -324,8 +325,7 @@ private:
                     clip(part, within, rest);
                     std::swap(part, rest);
                 }
-                for (size_t k = 0; k < part.size(); ++k)
-                    area += cross(part[k], part[(k + 1) % part.size()]) / 2;
+                area += twiceArea(part) / 2;
             }
             most = std::max(most, area);
         }

@@ -12,7 +12,6 @@
 #include <glm/geometric.hpp>
 
 #include "geometry/box_tree.h"
-#include "geometry/kept.h"
 #include "geometry/mesh_domains.h"
 #include "geometry/twin_faces.h"
 
@@ -301,8 +300,6 @@ Building weldAnew(const std::vector<SoupFace>& soup, uint32_t roomCount, double 
     return building;
 }
 
-thread_local std::optional<Kept<Building>> memory;
-
 // Of all that says where corners and edges are.
 std::vector<double> keyOf(const std::vector<SoupFace>& soup, uint32_t roomCount, double tolerance,
                           bool sheets) {
@@ -326,7 +323,7 @@ std::vector<std::array<double, 3>> sortedCorners(const SoupFace& face) {
 
 Building weldFaces(const std::vector<SoupFace>& soup, uint32_t roomCount, double tolerance, bool sheets) {
     const auto weld = [&] { return weldAnew(soup, roomCount, tolerance, sheets); };
-    Building out = memory ? memory->get(keyOf(soup, roomCount, tolerance, sheets), weld) : weld();
+    Building out = WeldMemory::get([&] { return keyOf(soup, roomCount, tolerance, sheets); }, weld);
     for (Face& face : out.faces) {
         const SoupFace& in = soup[face.surface];
         face.material = in.material;
@@ -334,14 +331,6 @@ Building weldFaces(const std::vector<SoupFace>& soup, uint32_t roomCount, double
         face.surface = in.surface;
     }
     return out;
-}
-
-WeldMemory::WeldMemory() {
-    memory.emplace();
-}
-
-WeldMemory::~WeldMemory() {
-    memory.reset();
 }
 
 Building weldedByNumber(std::vector<SoupFace> faces, double tolerance) {

@@ -8,6 +8,7 @@
 #include <glm/vec3.hpp>
 
 #include "geometry/building.h"
+#include "geometry/kept.h"
 
 namespace heliodon::geometry {
 
@@ -33,13 +34,7 @@ Building weldFaces(const std::vector<SoupFace>& soup, uint32_t roomCount, double
                    bool sheets = false);
 
 // While one lives, what the thread welded last is kept, and the same faces, to the bit, are not welded again.
-class WeldMemory {
-public:
-    WeldMemory();
-    ~WeldMemory();
-    WeldMemory(const WeldMemory&) = delete;
-    WeldMemory& operator=(const WeldMemory&) = delete;
-};
+using WeldMemory = Memory<Building>;
 
 // The same as sheets of one room, each face's `surface` its place among those given.
 Building weldedByNumber(std::vector<SoupFace> faces, double tolerance);

@@ -41,9 +41,8 @@ struct Floors {
 // tops of tables, partitions and shelves are none (a bookcase's lowest, too, over floor and without
 // headroom), while those of stairs and low platforms are.
 // - The lowest deck of 1.5 m2, 0.6 m wide, with 2 m of air over it; the lowest of all where none is.
-// - Main floors over pits: larger than all floor below, or all round it with nothing beneath, as round a
-// pool;
-//   6 m2, 0.9 m wide, walls along 40 % of their border.
+// - Main floors over pits: larger than all floor below, or all round it with nothing beneath, as round
+//   a pool; 6 m2, 0.9 m wide, walls along 40 % of their border.
 //   So are all that lie at one height if they are 1.25 times as large, with walls along 52 %; where these
 //   have less than 6 m2 they are undecided.
 // - Stages less than 2 m over floor: 6 m2 and 1.8 m wide; above 0.6 m with walls along 20 %, above 1.2 m

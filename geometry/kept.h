@@ -3,6 +3,7 @@
 
 #include <cstring>
 #include <deque>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -30,6 +31,26 @@ private:
     static constexpr size_t kFew = 3, kMostNumbers = 5000000; // of keys: some 200 MB with what was made
     std::deque<std::pair<std::vector<double>, Made>> last_;
     size_t numbers_ = 0;
+};
+
+// While one lives, the thread keeps what it made of a kind. One of a kind at a time.
+template<class Made> class Memory {
+public:
+    Memory() { kept().emplace(); }
+    ~Memory() { kept().reset(); }
+    Memory(const Memory&) = delete;
+    Memory& operator=(const Memory&) = delete;
+
+    // `key()` is asked for only while one lives.
+    template<class Key, class Make> static Made get(Key key, Make make) {
+        return kept() ? kept()->get(key(), make) : make();
+    }
+
+private:
+    static std::optional<Kept<Made>>& kept() {
+        thread_local std::optional<Kept<Made>> kept;
+        return kept;
+    }
 };
 
 inline void addOutline(std::vector<double>& key, const std::vector<std::vector<glm::dvec3>>& loops) {

@@ -1,4 +1,4 @@
-// Areas of plane outlines in space.
+// Areas of outlines, in a plane and of plane ones in space.
 #pragma once
 
 #include <cstddef>
@@ -6,7 +6,10 @@
 #include <span>
 
 #include <glm/geometric.hpp>
+#include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
+
+#include "geometry/perpendicular.h"
 
 namespace heliodon::geometry {
 
@@ -20,6 +23,13 @@ template<class CornerAt> glm::dvec3 areaVector(size_t count, const CornerAt& at)
 
 inline glm::dvec3 areaVector(std::span<const glm::dvec3> outline) {
     return areaVector(outline.size(), [&](size_t k) { return outline[k]; });
+}
+
+// Signed, positive where it runs counter-clockwise; of outlines that touch themselves, too.
+inline double twiceArea(std::span<const glm::dvec2> outline) {
+    double sum = 0;
+    for (size_t k = 0; k < outline.size(); ++k) sum += cross(outline[k], outline[(k + 1) % outline.size()]);
+    return sum;
 }
 
 inline double perimeter(std::span<const glm::dvec3> outline) {

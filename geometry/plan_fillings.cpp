@@ -11,6 +11,7 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
+#include "geometry/outline_area.h"
 #include "geometry/perpendicular.h"
 
 namespace heliodon::geometry {
@@ -66,9 +67,7 @@ public:
 
 private:
     void add(std::vector<glm::dvec2> outline) {
-        double area = 0;
-        for (size_t k = 0; k < outline.size(); ++k)
-            area += cross(outline[k], outline[(k + 1) % outline.size()]);
+        const double area = twiceArea(outline);
         if (std::abs(area) < 1e-9) return;
         if (area < 0) std::ranges::reverse(outline);
         PlanSolid solid;
@@ -181,8 +180,7 @@ private:
         int hit = -1;
         const double t = firstHit(physical_, e.middle, e.out, e.piece, &hit);
         if (std::isinf(t)) return fillToHole(e);
-        if (t > width_) return;
-        if (endsInWall(e)) return;
+        if (t > width_ || endsInWall(e)) return;
         const std::span target(&physical_[static_cast<size_t>(hit)], 1);
         const auto reach = [&](glm::dvec2 corner) {
             const double own = firstHit(target, corner, e.out, -2);

@@ -8,6 +8,7 @@
 
 #include <glm/geometric.hpp>
 
+#include "geometry/outline_area.h"
 #include "geometry/perpendicular.h"
 #include "geometry/plan_curves.h"
 #include "geometry/plan_pinches.h"
@@ -340,10 +341,7 @@ private:
 };
 
 double loopArea(const OutlineLoop& loop) {
-    double sum = 0;
-    for (size_t i = 0; i < loop.points.size(); ++i)
-        sum += 0.5 * cross(loop.points[i], loop.points[(i + 1) % loop.points.size()]);
-    return sum;
+    return twiceArea(loop.points) / 2;
 }
 
 // Corners at which nothing but the height of the wall changes lie exactly on the line, so that walls are

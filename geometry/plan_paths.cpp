@@ -127,7 +127,7 @@ private:
     const PlanArrangement& map_;
     const std::vector<bool>& solid_;
     const std::vector<bool>& inside_;
-    mutable DisjointSets cells_;
+    DisjointSets cells_;
     std::map<uint32_t, Part> parts_;
 };
 

@@ -16,7 +16,6 @@
 #include "geometry/box_tree.h"
 #include "geometry/disjoint_sets.h"
 #include "geometry/flat_faces.h"
-#include "geometry/kept.h"
 #include "geometry/key_hash.h"
 #include "geometry/outline_area.h"
 #include "geometry/perpendicular.h"
@@ -330,27 +329,19 @@ private:
     std::vector<Sheet> sheets_;
 };
 
-thread_local std::optional<Kept<std::vector<Sheet>>> memory;
-
 } // namespace
-
-SheetMemory::SheetMemory() {
-    memory.emplace();
-}
-
-SheetMemory::~SheetMemory() {
-    memory.reset();
-}
 
 std::vector<Sheet> cutIntoSheets(const std::vector<SoupFace>& faces, double tolerance) {
     const auto cut = [&] { return SheetCutter(faces, tolerance).cut(); };
-    if (!memory) return cut();
-    std::vector<double> key{tolerance};
-    for (const SoupFace& face : faces) {
-        key.push_back(face.twinKey); // what is welded with others beside its place
-        addOutline(key, face.loops);
-    }
-    return memory->get(std::move(key), cut);
+    const auto key = [&] {
+        std::vector<double> numbers{tolerance};
+        for (const SoupFace& face : faces) {
+            numbers.push_back(face.twinKey); // what is welded with others beside its place
+            addOutline(numbers, face.loops);
+        }
+        return numbers;
+    };
+    return Memory<std::vector<Sheet>>::get(key, cut);
 }
 
 SoupFace pieceOf(const SoupFace& face, const Sheet& sheet, size_t turned) {

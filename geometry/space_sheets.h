@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "geometry/face_soup.h"
+#include "geometry/kept.h"
 
 namespace heliodon::geometry {
 
@@ -29,15 +30,9 @@ Building weldSheets(const std::vector<Sheet>& sheets, double tolerance);
 
 // While one lives, what the thread cut and welded last is kept: where every attempt at a model is refused,
 // its faces are asked for again and again. The same faces, to the bit, give the same sheets. At most one.
-class SheetMemory {
-public:
-    SheetMemory();
-    ~SheetMemory();
-    SheetMemory(const SheetMemory&) = delete;
-    SheetMemory& operator=(const SheetMemory&) = delete;
-
-private:
-    WeldMemory welded_;
+struct SheetMemory {
+    Memory<std::vector<Sheet>> cut;
+    WeldMemory welded;
 };
 
 } // namespace heliodon::geometry

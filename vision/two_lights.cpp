@@ -54,17 +54,16 @@ std::optional<TwoLights> TwoLights::find(const std::vector<LitBlock>& blocks, gl
     out.along_ = glm::normalize(glm::vec2(-1, 1));
     for (int pass = 0; pass < 8; ++pass) {
         const glm::vec2 across(-out.along_.y, out.along_.x);
+        const auto weight = [&](glm::vec2 c) {
+            const float aside = glm::dot(c - out.middle_, across) / kAside;
+            return 1 / (1 + aside * aside * aside * aside);
+        };
         float sum = 0, xx = 0, xy = 0, yy = 0;
         glm::vec2 mean(0);
-        for (const glm::vec2 c : points) {
-            const float aside = glm::dot(c - out.middle_, across) / kAside,
-                        w = 1 / (1 + aside * aside * aside * aside);
-            mean += w * c, sum += w;
-        }
+        for (const glm::vec2 c : points) mean += weight(c) * c, sum += weight(c);
         mean *= 1 / sum;
         for (const glm::vec2 c : points) {
-            const float aside = glm::dot(c - out.middle_, across) / kAside,
-                        w = 1 / (1 + aside * aside * aside * aside);
+            const float w = weight(c);
             const glm::vec2 d = c - mean;
             xx += w * d.x * d.x, xy += w * d.x * d.y, yy += w * d.y * d.y;
         }
