@@ -8,11 +8,14 @@
 #include <vector>
 
 #include <fmt/format.h>
+#include <glm/geometric.hpp>
 
 #include "geometry/drawn_rooms.h"
+#include "geometry/face_soup.h"
 #include "geometry/glass_panes.h"
 #include "geometry/glass_use.h"
 #include "geometry/rooms_of_reading.h"
+#include "geometry/shell_faces.h"
 #include "geometry/small_rooms.h"
 
 namespace heliodon::geometry {
@@ -127,9 +130,26 @@ private:
     std::optional<InputError> reasonOf(const PanesInHoles& panes, const InputError& error) const {
         for (const LooseGlass& glass : panes.loose)
             if (glass.joint) return jointError(glass);
-        if (panes.openFlat) return jointError(*panes.openFlat);
+        if (panes.openFlat && !isLetIn(*panes.openFlat)) return jointError(*panes.openFlat);
         if (panes.slabs + panes.loose.size() > 0) return error;
         return whyNoPane_;
+    }
+
+    // Whether most of a flat pane's border is that of walls, too: it fills its hole, but for a face that it
+    // lacks.
+    bool isLetIn(const LooseGlass& pane) const {
+        const std::set<uint32_t> own(pane.faces.begin(), pane.faces.end());
+        const Building welded = weldFaces(faces_.soup, 1, reading_.tolerance(), true);
+        double around = 0, shared = 0;
+        for (const auto& [edge, faces] : facesOfEdges(welded)) {
+            const auto ofPane = std::ranges::count_if(
+                faces, [&](uint32_t f) { return own.contains(welded.faces[f].surface); });
+            if (ofPane != 1) continue;
+            const double length = glm::distance(welded.vertices[edge.first], welded.vertices[edge.second]);
+            around += length;
+            if (faces.size() > 1) shared += length;
+        }
+        return shared > 0.5 * around;
     }
 
     InputError jointError(const LooseGlass& glass) const {

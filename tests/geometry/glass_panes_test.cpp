@@ -511,6 +511,19 @@ TEST(GlassPanes, mitred_round_a_corner_are_refused_as_that) {
     expectRefusal(drawing, "mitred");
 }
 
+// Not "a gap of 5e-16 m", which a pane in triangles without one of them leaves round itself.
+TEST(GlassPanes, that_lack_a_triangle_are_refused_with_the_hole) {
+    for (const size_t gone : {0u, 3u}) {
+        Drawing drawing;
+        drawRoom(drawing, 0, 3);
+        const Corners border = hole(0);
+        const glm::dvec3 middle = 0.25 * (border[0] + border[1] + border[2] + border[3]);
+        for (size_t k = 0; k < 4; ++k)
+            if (k != gone) drawing.face("glass", {border[k], border[(k + 1) % 4], middle});
+        expectRefusal(drawing, "close the hole");
+    }
+}
+
 // Where it would turn walls and air round, as where it only leaves the room open.
 TEST(GlassPanes, that_fill_no_hole_are_refused_with_the_gap) {
     const auto refuse = [](const auto& draw, const std::string& why) {
