@@ -12,6 +12,7 @@
 #include <glm/geometric.hpp>
 
 #include "geometry/angle_optimiser.h"
+#include "geometry/even_areas.h"
 #include "geometry/mesher.h"
 #include "geometry/planar_net.h"
 
@@ -185,6 +186,7 @@ PlanarMesh improvedMesh(PlanarNet net, const PlanarDomain& domain, size_t mostAd
     if (domain.mayLean) leaveFolds(net);
     const size_t added = raiseAngles(net, domain.size.edge(), mostAdded);
     const SmallAngles small = smallAngles(net, domain.size.edge());
+    evenAreas(net, domain.mayLean); // others might lean further
     return {std::move(net.points), std::move(net.corner), added, small};
 }
 

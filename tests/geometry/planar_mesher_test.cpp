@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "geometry/angle_optimiser.h"
+#include "geometry/even_areas.h"
 
 using namespace heliodon::geometry;
 
@@ -84,6 +85,33 @@ TEST(PlanarMesher, small_angles_grow_within_the_points_allowed) {
         EXPECT_GE(smallest(net), 36);
         expectSound(net, 144);
     }
+}
+
+// Every third point off the lattice, and two triangles with an angle of 45 degrees in each corner.
+TEST(PlanarMesher, areas_become_even_while_angles_stay) {
+    const PlanarDomain domain = rectangle(12, 12, 12, 12);
+    PlanarNet net = *draftMesh(domain, latticeSeeds(domain, 1));
+    for (uint32_t v = net.boundaryCount; v < net.points.size(); v += 3)
+        net.points[v] += glm::dvec2(0.12, v % 2 == 0 ? 0.12 : -0.12);
+    net.flipAll();
+    raiseAngles(net, 1, 0);
+    const auto deviation = [&] {
+        double squares = 0;
+        for (uint32_t t = 0; t < net.corner.size(); ++t) squares += net.twiceArea(t) * net.twiceArea(t);
+        return std::sqrt(squares * static_cast<double>(net.corner.size()) / (288.0 * 288.0) - 1);
+    };
+    const double before = deviation();
+    const PlanarNet uneven = net;
+    evenAreas(net, false);
+    expectSound(net, 144);
+    EXPECT_EQ(net.corner, uneven.corner);
+    EXPECT_LT(deviation(), 0.6 * before) << before;
+    for (uint32_t t = 0; t < net.corner.size(); ++t)
+        EXPECT_LE(net.worstCosine(t),
+                  std::max(uneven.worstCosine(t), std::cos(37 * std::numbers::pi / 180)) + 1e-12);
+    PlanarNet held = uneven;
+    evenAreas(held, true); // no point is on a fold
+    EXPECT_EQ(held.points, uneven.points);
 }
 
 // An unrolled wall 6 high, its left end in seven steps and its right one in six, with facets as wide as
