@@ -240,12 +240,14 @@ private:
         return count;
     }
 
-    // How many triangles refinement adds.
-    double addedTriangles() {
+    // How many triangles refinement adds; less where those known would make edges too long already that are
+    // to be chosen anew.
+    double addedTriangles(double wanted, bool chosenAnew) {
         double added = 0;
         for (size_t d = 0; d < drafts_.size(); ++d) {
             const Draft& draft = drafts_[d];
             if (draft.plane.size.uniform() || draft.grid) continue;
+            if (chosenAnew && tooLong(wanted - added)) break;
             triangulate(d);
             added += 2 * static_cast<double>(draft.net->points.size() - draft.plane.boundary.size() -
                                              draft.seeds.points.size());
@@ -270,7 +272,7 @@ private:
             chooseLattices(wanted - added_, roughly);
             // A few triangles more change the edge length, and so their own number, by next to nothing.
             if (round == 2 || addedKnown_) return true;
-            const double now = addedTriangles();
+            const double now = addedTriangles(wanted, roughly);
             const bool settled = !roughly && (std::abs(now - added_) < 0.01 * wanted_ || fits(now));
             added_ = now;
             addedKnown_ = settled || round == 1;
@@ -320,19 +322,30 @@ private:
             }
             (count > wanted ? low : high) = edge;
             const bool bracketed = low > 0 && high > 0;
-            // Small parts have their triangles whatever the edge is: the count changes less than its square.
-            double power = 2;
-            if (lastEdge_ > 0 && lastCount_ != count && lastEdge_ != edge)
-                power = std::clamp(-std::log(count / lastCount_) / std::log(edge / lastEdge_), 0.8, 2.5);
+            const double guess = guessFrom(edge, count, wanted);
             lastEdge_ = edge;
             lastCount_ = count;
-            const double guess = edge * std::pow(count / wanted, 1 / power);
             if (high == 0 && guess > longest_ && std::isfinite(grading_.growth)) return false;
             edge = bracketed && (guess <= std::min(low, high) || guess >= std::max(low, high))
                        ? 0.5 * (low + high)
                        : guess;
         }
         return high > 0 || least <= (roughly ? kRough : kCountReached) * wanted;
+    }
+
+    double guessFrom(double edge, double count, double wanted) const {
+        // Small parts have their triangles whatever the edge is: the count changes less than its square.
+        double power = 2;
+        if (lastEdge_ > 0 && lastCount_ != count && lastEdge_ != edge)
+            power = std::clamp(-std::log(count / lastCount_) / std::log(edge / lastEdge_), 0.8, 2.5);
+        return edge * std::pow(count / wanted, 1 / power);
+    }
+
+    // Whether the search from the edge chosen would end at once.
+    bool tooLong(double wanted) {
+        const double count = countFor(edge_).sum;
+        return std::isfinite(grading_.growth) && count - wanted > slack() &&
+               guessFrom(edge_, count, wanted) > longest_;
     }
 
     // How far the count may be off before what optimisation adds.
