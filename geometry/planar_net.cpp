@@ -126,13 +126,17 @@ NetPart::NetPart(const PlanarNet& whole, const Stars& stars, uint32_t triangle, 
         const auto found = std::ranges::find(all, of);
         return found != all.end() ? static_cast<uint32_t>(found - all.begin()) : kNoTriangle;
     };
+    std::vector<uint32_t> passed; // points whose triangles are there
     for (size_t from = 0, ring = 0; ring < static_cast<size_t>(rings); ++ring) {
         const size_t to = triangles_.size();
         for (; from < to; ++from)
-            for (const uint32_t v : whole.corner[triangles_[from]])
+            for (const uint32_t v : whole.corner[triangles_[from]]) {
+                if (indexIn(passed, v) != kNoTriangle) continue;
+                passed.push_back(v);
                 for (uint32_t i = stars.first[v]; i < stars.first[v + 1]; ++i)
                     if (indexIn(triangles_, stars.triangles[i]) == kNoTriangle)
                         triangles_.push_back(stars.triangles[i]);
+            }
     }
     const auto add = [&](uint32_t v) {
         if (indexIn(points_, v) == kNoTriangle) points_.push_back(v);

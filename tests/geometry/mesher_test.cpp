@@ -170,19 +170,6 @@ TEST(Mesher, slots_nearly_half_an_edge_wide_leave_angles_large) {
     EXPECT_LE(quality.areaDeviation, 0.16);
 }
 
-// The count was six triangles off what is allowed, and all was drafted twelve times for four.
-TEST(Mesher, a_count_that_is_nearly_reached_is_settled_without_a_new_search) {
-    size_t parts = 0;
-    const Sketch sketch = sketchOf("spiral.json");
-    MeshOptions options{10000};
-    options.beforePart = [&] { ++parts; };
-    const Building building = closed(sketch, fittedTo(sketch, 10000));
-    const PatchMesh mesh = meshBuilding(building, options);
-    EXPECT_NEAR(static_cast<double>(mesh.patchCount()), 10000, 300);
-    printf("%zu parts of %zu faces\n", parts, building.faces.size());
-    EXPECT_LE(parts, 8 * building.faces.size());
-}
-
 // A box with a wall of six faces, two of them slivers: what lies in one plane is meshed as one.
 TEST(Mesher, seams_between_faces_of_one_plane_leave_no_trace) {
     Building box;
