@@ -29,6 +29,7 @@ constexpr double kThinnest = 0.4;      // likewise: wider ones have steps as sho
 constexpr double kFinestStrip = 0.7;   // of the edge length
 constexpr double kRowLength = 1.1;     // of the next side: as long, but for slanted ends
 constexpr double kHalfStep = 0.55;     // of the step beside it: what half a step is at most
+constexpr double kNearEnd = 0.8;       // of half a step: nearer to an end of an edge none is pinned
 constexpr double kUniformStrip = 0.76; // of the edge length: a strip this wide needs no staggering
 // Where rectangles of a strip are halved: their width over their length, for angles of 36 degrees. So wide a
 // strip has room for points inside.
@@ -384,7 +385,8 @@ void EdgeSampler::pinBetween(const SampledEdge& lead, SampledEdge& follower) con
     at.push_back(2 * at.back() - at[at.size() - 2]);
     for (size_t k = 0; k + 1 < at.size(); ++k) {
         const double middle = 0.5 * (at[k] + at[k + 1]), half = 0.5 * std::abs(at[k + 1] - at[k]);
-        if (middle > 0.5 * half && middle < follower.length - 0.5 * half) follower.pins.push_back(middle);
+        if (middle > kNearEnd * half && middle < follower.length - kNearEnd * half)
+            follower.pins.push_back(middle);
     }
 }
 

@@ -49,3 +49,11 @@ TEST(MesherEffort, a_count_that_is_nearly_reached_is_settled_without_a_new_searc
 TEST(MesherEffort, sizes_that_do_not_fit_are_given_up_early) {
     EXPECT_LE(workFor("walls20.json", 2000).parts, 950u);
 }
+
+// Points of one side of a strip half a step off those of the other, but for those right at its end, where
+// steps of 0.15 of an edge stood beside long ones.
+TEST(MesherEffort, ends_of_strips_have_no_tiny_steps) {
+    const Work work = workFor("arc_with_partitions.json", 5000);
+    EXPECT_LE(work.mesh.areaDeviation, 0.36);
+    EXPECT_GE(work.mesh.minAngleDeg, 22);
+}
