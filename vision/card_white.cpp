@@ -66,11 +66,8 @@ public:
                             .light[static_cast<size_t>(y / kBlock) * static_cast<size_t>(table.columns) +
                                    static_cast<size_t>(x / kBlock)]
                             .g);
-        const auto rank =
-            green.begin() + static_cast<std::ptrdiff_t>(kBright * static_cast<double>(green.size()));
-        if (rank == green.end()) return;
-        std::nth_element(green.begin(), rank, green.end());
-        brightTable_ = *rank;
+        const auto place = static_cast<size_t>(kBright * static_cast<double>(green.size()));
+        if (place < green.size()) brightTable_ = ranked(green, place);
     }
 
     std::optional<CardWhite> find() const {
@@ -183,9 +180,7 @@ private:
 
     // The level that the least area of card exceeds.
     float levelOf(std::vector<float>& levels) const {
-        const auto rank = levels.end() - static_cast<std::ptrdiff_t>(enough_);
-        std::nth_element(levels.begin(), rank, levels.end());
-        return *rank;
+        return ranked(levels, levels.size() - enough_);
     }
 
     // Chromas other than the table's that are common enough, with their levels, the brightest first, none

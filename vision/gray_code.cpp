@@ -202,9 +202,7 @@ float leastLight(const GreyPicture& light) {
     std::vector<float> sample;
     for (size_t i = 0; i < light.values.size(); i += 37) sample.push_back(light.values[i]);
     if (sample.empty()) return kLeastLight;
-    const auto high = sample.begin() + static_cast<std::ptrdiff_t>(sample.size() * 99 / 100);
-    std::nth_element(sample.begin(), high, sample.end());
-    return std::max(kLeastLight, kLeastShare * *high);
+    return std::max(kLeastLight, kLeastShare * ranked(sample, sample.size() * 99 / 100));
 }
 
 // The corner at the middle of four cells: projector coordinates of the cells' middles, seen there by the

@@ -6,6 +6,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "vision/detect.h"
+#include "vision/median.h"
 
 namespace heliodon::vision {
 namespace {
@@ -33,14 +34,10 @@ public:
     explicit Canvas(const Photograph& photo) {
         const cv::Mat rgb(photo.height, photo.width, CV_8UC3, const_cast<uint8_t*>(photo.rgb.data()));
         // Bright enough to see in a dim room's picture, and grey enough for the drawing to stand out.
-        std::vector<uint8_t> sorted;
-        for (size_t i = 1; i < photo.rgb.size(); i += 3 * 97) sorted.push_back(photo.rgb[i]);
+        std::vector<uint8_t> green;
+        for (size_t i = 1; i < photo.rgb.size(); i += 3 * 97) green.push_back(photo.rgb[i]);
         double white = 255;
-        if (!sorted.empty()) {
-            const auto high = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() * 97 / 100);
-            std::nth_element(sorted.begin(), high, sorted.end());
-            white = std::max<double>(*high, 16);
-        }
+        if (!green.empty()) white = std::max<double>(ranked(green, green.size() * 97 / 100), 16);
         cv::Mat grey, color;
         cv::cvtColor(rgb, color, cv::COLOR_RGB2BGR);
         cv::cvtColor(rgb, grey, cv::COLOR_RGB2GRAY);

@@ -8,6 +8,9 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "vision/median.h"
+#include "vision/two_means.h"
+
 namespace heliodon::vision {
 namespace {
 
@@ -17,10 +20,7 @@ constexpr float kPast = 0.02f;  // the same past its ends
 constexpr double kLargestCard = 3.5; // inches: skylights
 
 float rank(std::vector<float>& values, double share) {
-    const auto at =
-        values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
-    std::nth_element(values.begin(), at, values.end());
-    return *at;
+    return ranked(values, static_cast<size_t>(share * static_cast<double>(values.size() - 1)));
 }
 
 } // namespace
@@ -170,12 +170,7 @@ std::optional<MixedLight> mixedLight(const TwoLights& lights, const std::vector<
     const auto blocksOf = [&](double inches, int least) {
         return std::max(least, static_cast<int>(std::lround(inches * blocksPerInch)));
     };
-    const auto blurred = [](const cv::Mat& from, int reach) {
-        cv::Mat out;
-        cv::blur(from, out, {2 * reach + 1, 2 * reach + 1}, {-1, -1}, cv::BORDER_CONSTANT);
-        cv::blur(out, out, {2 * reach + 1, 2 * reach + 1}, {-1, -1}, cv::BORDER_CONSTANT);
-        return out;
-    };
+    const auto blurred = [](const cv::Mat& from, int reach) { return twoMeans(from, 2 * reach + 1); };
     cv::Mat white(rows, columns, CV_32FC3, cv::Scalar::all(0)); // amounts of both, weight
     for (size_t i = 0; i < blocks.size(); ++i) {
         const LitBlock& block = blocks[i];

@@ -377,9 +377,7 @@ constexpr float kBrightEnd = 0.12f;
 // What a quarter exceeds: many pens do not make a few walls unlikely.
 float upperQuartile(std::vector<float> values) {
     if (values.empty()) return 0;
-    const auto upper = values.begin() + static_cast<std::ptrdiff_t>(3 * values.size() / 4);
-    std::nth_element(values.begin(), upper, values.end());
-    return *upper;
+    return ranked(values, 3 * values.size() / 4);
 }
 
 // The fainter one: a pen's cap can be as bright as the other.

@@ -18,6 +18,7 @@
 #include "vision/median.h"
 #include "vision/rounding.h"
 #include "vision/two_lights.h"
+#include "vision/two_means.h"
 
 namespace heliodon::vision {
 namespace {
@@ -106,13 +107,9 @@ bool isEven(const PlanView& view, const TableRegion& region, int column, int row
     });
 }
 
-// Two running means: close to a Gaussian, at a cost that does not grow with its width.
+// About as a Gaussian of that deviation does it.
 cv::Mat spread(const cv::Mat& from, double sigma) {
-    const int size = static_cast<int>(std::lround(std::sqrt(6 * sigma * sigma + 1))) | 1;
-    cv::Mat out;
-    cv::blur(from, out, {size, size}, {-1, -1}, cv::BORDER_CONSTANT);
-    cv::blur(out, out, {size, size}, {-1, -1}, cv::BORDER_CONSTANT);
-    return out;
+    return twoMeans(from, static_cast<int>(std::lround(std::sqrt(6 * sigma * sigma + 1))) | 1);
 }
 
 // P' of the block's mean against a white: 0 where it has the white's chroma.
