@@ -5,15 +5,24 @@
 #include <utility>
 #include <vector>
 
+#include <glm/geometric.hpp>
+
 #include "vision/card_white.h"
 #include "vision/chroma.h"
 #include "vision/median.h"
 
 namespace heliodon::vision {
 
-std::optional<BrightEnds> brightEnds(const geometry::Sketch& sketch, const WallEvidence& evidence,
-                                     const ClassImage& image, const PlanView& view, double radius) {
-    constexpr float kBrighter = 1.8f;
+namespace {
+
+// Medians of all ends of walls.
+struct Ends {
+    size_t count = 0;
+    glm::vec3 overWhite{0}, light{0};
+    glm::vec2 colour{0}; // chroma
+};
+
+Ends endsOf(const geometry::Sketch& sketch, const WallEvidence& evidence, const PlanView& view) {
     std::array<std::vector<float>, 8> seen; // red, green, blue over white, and as they are; two chromas
     const auto look = [&](const auto& shape) {
         for (const glm::dvec2 end : evidence.endsOf(shape)) {
@@ -27,18 +36,38 @@ std::optional<BrightEnds> brightEnds(const geometry::Sketch& sketch, const WallE
     };
     for (const auto& wall : sketch.walls) look(wall);
     for (const auto& arc : sketch.arcs) look(arc);
-    const size_t count = seen[0].size();
-    if (count == 0) return std::nullopt;
+    Ends out;
+    out.count = seen[0].size();
     std::array<float, 8> typical{};
     for (size_t i = 0; i < seen.size(); ++i) typical[i] = median(std::move(seen[i]));
-    const float most = std::max({typical[0], typical[1], typical[2]});
-    if (most < kBrighter) return std::nullopt;
-    if (tableReturns(view, findTable(view, radius, 0), {typical[3], typical[4], typical[5]}))
-        return std::nullopt;
-    return BrightEnds{
-        {image.whiteOverTable * glm::vec3(typical[0], typical[1], typical[2]), {typical[6], typical[7]}},
-        most,
-        count};
+    out.overWhite = {typical[0], typical[1], typical[2]}, out.light = {typical[3], typical[4], typical[5]};
+    out.colour = {typical[6], typical[7]};
+    return out;
+}
+
+} // namespace
+
+std::optional<BrightEnds> brightEnds(const geometry::Sketch& sketch, const WallEvidence& evidence,
+                                     const ClassImage& image, const PlanView& view, double radius) {
+    constexpr float kBrighter = 1.8f;
+    const Ends ends = endsOf(sketch, evidence, view);
+    const float most = std::max({ends.overWhite.r, ends.overWhite.g, ends.overWhite.b});
+    if (ends.count == 0 || most < kBrighter) return std::nullopt;
+    if (tableReturns(view, findTable(view, radius, 0), ends.light)) return std::nullopt;
+    return BrightEnds{{image.whiteOverTable * ends.overWhite, ends.colour}, most, ends.count};
+}
+
+bool endsHaveTablesColour(const geometry::Sketch& sketch, const WallEvidence& evidence,
+                          const ClassImage& image, const PlanView& view) {
+    constexpr float kOther = 0.2f; // of log chroma: a table of card's chroma shows by its level alone
+    const glm::vec3& card = image.whiteOverTable;
+    const glm::vec2 cardColour = chroma(card.r, card.g, card.b);
+    if (glm::length(cardColour) < kOther || std::min({card.r, card.g, card.b}) > kDarkTable) return false;
+    const Ends ends = endsOf(sketch, evidence, view);
+    if (ends.count < kEnoughEnds || std::min({ends.overWhite.r, ends.overWhite.g, ends.overWhite.b}) <= 0)
+        return false;
+    const glm::vec2 overCard = chroma(ends.overWhite.r, ends.overWhite.g, ends.overWhite.b);
+    return glm::length(overCard + cardColour) < glm::length(overCard);
 }
 
 } // namespace heliodon::vision

@@ -96,6 +96,9 @@ public:
     std::optional<BrightEnds> brightEnds() const {
         return vision::brightEnds(out_.sketch, evidence(), image_, view_, radius());
     }
+    bool endsHaveTablesColour() const {
+        return vision::endsHaveTablesColour(out_.sketch, evidence(), image_, view_);
+    }
     bool seesRelief() const { return showRelief(reliefs()); }
 
 private:
@@ -461,19 +464,27 @@ DetectionResult detectSketch(const Photograph& photo, const geometry::Rig& rig,
                         rig.camera.width, rig.camera.height,
                         turned ? ": it was turned, expected it as the camera gave it" : ""));
     }
-    constexpr size_t kEnough = 4; // ends; a single wall can be one misread under a lamp
     Detector first(photo, rig, options);
     DetectionResult result = first.run();
     auto ends = first.brightEnds();
     auto thickness = first.otherThickness();
     std::optional<CardWhite> card;
+    // What was taken for card on a coloured table is none: the table is white.
+    if (first.endsHaveTablesColour()) {
+        Detector second(photo, rig, options, kWhiteTable);
+        DetectionResult again = second.run();
+        if (wallsIn(again) >= wallsIn(result)) {
+            card = kWhiteTable;
+            result = std::move(again), ends = second.brightEnds(), thickness = second.otherThickness();
+        }
+    }
     // Walls that were found although the table is not white show what card returns: all is held against that.
     // It loses no walls, or those left agree with it: what was read before may have been paper.
-    if (ends && ends->count >= kEnough) {
+    if (ends && ends->count >= kEnoughEnds) {
         Detector second(photo, rig, options, ends->card);
         DetectionResult again = second.run();
         const auto after = second.brightEnds();
-        if (wallsIn(again) >= wallsIn(result) || (!after && 2 * wallsIn(again) >= kEnough)) {
+        if (wallsIn(again) >= wallsIn(result) || (!after && 2 * wallsIn(again) >= kEnoughEnds)) {
             card = ends->card;
             result = std::move(again), ends = after, thickness = second.otherThickness();
         }

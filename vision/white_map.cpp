@@ -303,6 +303,10 @@ WhiteMap findWhite(const PlanView& view, const TableRegion& region, const std::o
     const ColourRounding rounding(view);
     Light light;
     std::optional<CardWhite> card;
+    const auto cardOf = [&](const LightGrid& grid) -> std::optional<CardWhite> {
+        if (!known) return findCard(view, region, grid);
+        return known->overTable == kWhiteTable.overTable ? std::nullopt : known;
+    };
     // Card is held over the light that it was measured over: false, and the light before stays, where there
     // is none.
     const auto read = [&](float most, bool needsCard) {
@@ -311,7 +315,7 @@ WhiteMap findWhite(const PlanView& view, const TableRegion& region, const std::o
         LightGrid grid = out.grid;
         grid.light.clear();
         for (const auto& w : found.near) grid.light.emplace_back(w[0], w[1], w[2]);
-        const std::optional<CardWhite> seen = known ? known : findCard(view, region, grid);
+        const std::optional<CardWhite> seen = cardOf(grid);
         if (needsCard && !seen) return false;
         light = std::move(found), out.grid = std::move(grid), card = seen;
         return true;
@@ -338,7 +342,7 @@ WhiteMap findWhite(const PlanView& view, const TableRegion& region, const std::o
     if (readMixture()) {
         LightGrid full = out.grid;
         full.light = out.full;
-        card = known ? known : findCard(view, region, full);
+        card = cardOf(full);
         if (card) {
             holdAgainstCard(out, *card);
             for (glm::vec3& all : out.full) all *= card->overTable;

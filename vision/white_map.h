@@ -60,7 +60,9 @@ struct CardWhite {
     glm::vec2 light;     // chroma of what it returns
 };
 
-// `known`: card as it was seen where walls were found; without, it is looked for.
+const CardWhite kWhiteTable{glm::vec3(1), glm::vec2(0)}; // the table is as white as card
+
+// `known`: card as it was seen where walls were found, or `kWhiteTable`; without, it is looked for.
 WhiteMap findWhite(const PlanView& view, const TableRegion& region,
                    const std::optional<CardWhite>& known = std::nullopt);
 
