@@ -252,10 +252,11 @@ Light lightOnTable(const std::vector<cv::Vec4f>& blocks, int rows, int columns, 
 bool WhiteMap::isMixture(glm::vec3 seen, size_t block) const {
     constexpr float kDark = 0.3f,
                     kBluer = 0.5f; // of the light on the table near by; of the way between the lights
-    if (open[block]) return false;
     const glm::vec3& local = grid.light[block];
-    if (seen.g < kDark * local.g && lights->shareOfSecond(seen) > lights->shareOfSecond(local) + kBluer)
-        return false;
+    const float bluer = lights->shareOfSecond(seen) - lights->shareOfSecond(local);
+    // On a black table faces outshine what is about them: in the open, too, the lamp alone can meet them.
+    if (open[block] && !(darkTable && bluer < 0)) return false;
+    if (seen.g < kDark * local.g && bluer > kBluer) return false;
     const float dim = lights->typicalGreen() / std::max(seen.g, 1e-5f);
     return lights->isMixture(seen, static_cast<float>(noise) * std::sqrt(dim));
 }
@@ -320,9 +321,11 @@ WhiteMap findWhite(const PlanView& view, const TableRegion& region, const std::o
         light = std::move(found), out.grid = std::move(grid), card = seen;
         return true;
     };
-    const auto readMixture = [&] {
+    // The map before stays where that is false.
+    const auto readMixture = [&](float most) {
         std::vector<LitBlock> lit;
-        for (const auto& p : blocks) lit.push_back({{p[0], p[1], p[2]}, p[3] > 0, true});
+        for (const auto& p : blocks)
+            lit.push_back({{p[0], p[1], p[2]}, p[3] > 0 && p[1] <= most * typical, true});
         const glm::vec3 colour(global[0], global[1], global[2]);
         if (!TwoLights::find(lit, colour, 0)) return false;
         out.noise = relativeNoise(view, region);
@@ -339,10 +342,17 @@ WhiteMap findWhite(const PlanView& view, const TableRegion& region, const std::o
         out.grid.light = std::move(mixed->local);
         return true;
     };
-    if (readMixture()) {
+    const auto cardInMixture = [&] {
         LightGrid full = out.grid;
         full.light = out.full;
-        card = cardOf(full);
+        return cardOf(full);
+    };
+    if (readMixture(kAny)) {
+        card = cardInMixture();
+        if (card && isDark(*card) && readMixture(kOfDark)) {
+            const auto again = cardInMixture();
+            if (again) card = again;
+        }
         if (card) {
             holdAgainstCard(out, *card);
             for (glm::vec3& all : out.full) all *= card->overTable;

@@ -184,6 +184,30 @@ TEST(DetectLight, faces_in_one_of_two_lights_are_no_card_on_a_coloured_table) {
     expectRead(room(), roomInTwoLights(paints, 1));
 }
 
+// On a black table card is a mixture of both lights as the table is, but no measure of the light on it.
+TEST(DetectLight, faces_in_two_lights_are_no_black_table) {
+    geometry::Sketch sketch = room();
+    sketch.skylights.clear(); // in shadow
+    for (const Color& face : {Color{0.8, 0.8, 0.8}, {0.84, 0.76, 0.62}}) {
+        PaintBox paints;
+        paints.table = {0.05, 0.05, 0.05}, paints.face = face;
+        const auto result = detectSketch(roomInTwoLights(paints, 1), exampleRig());
+        const Score score = scoreSketch(sketch, result.sketch);
+        for (const auto& [kind, k] : score)
+            EXPECT_EQ(k.found, k.stated) << kind << " " << face[2] << "\n" << table(score);
+    }
+}
+
+// Nor is it paint where the lamp alone meets it, however open the table about it is.
+TEST(DetectLight, card_in_the_lamps_light_on_a_black_table_is_no_paint) {
+    PaintBox paints;
+    paints.table = {0.05, 0.05, 0.05}, paints.face = {0.8, 0.8, 0.8};
+    Photograph photo = roomInTwoLights(paints, 1);
+    const auto without = detectSketch(photo, exampleRig()).warnings;
+    cover(photo, exampleRig(), {{-11, 9}, {-8, 9}, {-8, 10.2}, {-11, 10.2}}, 0, {0.66, 0.5, 0.22});
+    EXPECT_EQ(detectSketch(photo, exampleRig()).warnings, without);
+}
+
 // A spot of warm lamplight is brighter than the white about it in all channels, as no paint is.
 TEST(DetectLight, a_spot_of_warm_light_is_no_paint) {
     const geometry::Rig rig = exampleRig();
