@@ -7,8 +7,8 @@
 
 namespace heliodon::vision {
 
-// The value that would stand at `place`, from 0 and below their number, if they were in order. Linear in their
-// number; leaves them in another order.
+// The value that would stand at `place`, from 0 and below their number, if they were in order. Linear in
+// their number; leaves them in another order.
 template<class T> T ranked(std::vector<T>& values, size_t place) {
     const auto at = values.begin() + static_cast<std::ptrdiff_t>(place);
     std::nth_element(values.begin(), at, values.end());

@@ -7,6 +7,7 @@
 #include <glm/trigonometric.hpp>
 
 #include "vision/pieces.h"
+#include "vision/round_holes.h"
 #include "vision/vivid_part.h"
 #include "vision/wall_fit.h"
 
@@ -32,7 +33,19 @@ RegionCutter::Pieces RegionCutter::piecesOf(const Component& region) {
         out.unread = "light blue like a skylight, but no rectangle; it is left out";
     else
         addStrips(region, out);
+    leaveOutRims(region, out);
     return out;
+}
+
+void RegionCutter::leaveOutRims(const Component& region, Pieces& out) const {
+    constexpr double kLeast = 0.25, kMost = 2, kRim = 1.3; // inches; of a wall's thickness
+    const double perInch = view_.pixelsPerInch(view_.plan(region.centre, 0), 0);
+    const std::vector<RoundHole> holes = roundHoles(region, kLeast * perInch, kMost * perInch);
+    const size_t left = std::erase_if(out.pieces, [&](const Component* piece) {
+        return liesRound(*piece, holes, kRim * options_.wallThickness * perInch);
+    });
+    if (left > 0)
+        out.unread = "coloured like a wall, but closed round a hole as a roll of tape is; it is left out";
 }
 
 bool RegionCutter::hasVividPieces(const Component& region) const {

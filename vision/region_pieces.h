@@ -41,6 +41,7 @@ private:
     std::vector<Component> vividPieces(const std::optional<ClassImage>& vivid) const;
     bool isVividPiece(const Component& part) const;
     void addStrips(const Component& region, Pieces& out);
+    void leaveOutRims(const Component& region, Pieces& out) const;
     int areaOf(Paint paint, const Component& region) const;
     std::optional<geometry::Arc> followArc(Component& strip, const Component& region) const;
     Component alongArc(const Component& region, const geometry::Arc& arc) const;

@@ -2,6 +2,7 @@
 // is a class of photographs that was once misread.
 #include <cmath>
 #include <cstdint>
+#include <numbers>
 #include <utility>
 #include <vector>
 
@@ -394,6 +395,25 @@ TEST(DetectPieces, a_short_wall_with_a_blot_beside_it_is_no_arc) {
     cover(photo, rig, {{-1, -0.8125}, {-0.6, -0.8125}, {-0.6, -0.6925}, {-1, -0.6925}}, 10,
           {0.05, 0.05, 0.05});
     expectRead(sketch, photo);
+}
+
+// As broad as a wall's top and blue; but what is closed round a hole has no ends.
+TEST(DetectPieces, a_roll_of_tape_is_no_curved_wall) {
+    PaintBox paints;
+    paints.table = {0.04, 0.04, 0.04};
+    Photograph photo = paintTable(room(), exampleRig(), paints);
+    const auto disc = [](double radius) {
+        std::vector<glm::dvec2> out;
+        for (int i = 0; i < 48; ++i) {
+            const double a = 2 * std::numbers::pi * i / 48;
+            out.push_back(glm::dvec2(1, 10) + radius * glm::dvec2(std::cos(a), std::sin(a)));
+        }
+        return out;
+    };
+    cover(photo, exampleRig(), disc(1.3), 0.7, {0.06, 0.12, 0.42});
+    cover(photo, exampleRig(), disc(0.9), 0.7, {0.04, 0.04, 0.04});
+    expectRead(room(), photo);
+    EXPECT_TRUE(warnsOf(detectSketch(photo, exampleRig()), "a roll of tape"));
 }
 
 // In the picture; what is cut at it falls into straight strips.
