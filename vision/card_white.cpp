@@ -179,9 +179,7 @@ private:
     }
 
     // The level that the least area of card exceeds.
-    float levelOf(std::vector<float>& levels) const {
-        return ranked(levels, levels.size() - enough_);
-    }
+    float levelOf(std::vector<float>& levels) const { return ranked(levels, levels.size() - enough_); }
 
     // Chromas other than the table's that are common enough, with their levels, the brightest first, none
     // beside another.

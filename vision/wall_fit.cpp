@@ -42,6 +42,24 @@ Span spanOf(const Component& component, const Axis& axis, const PlanView& view, 
     return {*low, *high, nullptr};
 }
 
+// Without a fringe of a pixel or two along an edge of what is beside it, of which blur or the file makes the
+// marker's hue: it is much narrower than the marker.
+Span withoutFringes(Span span, const Axis& axis, const PlanView& view, double height) {
+    constexpr double kNarrow = 0.5, kLeast = 3.5; // of the marker's width; pixels of length
+    const double pixel = 1 / view.pixelsPerInch(axis.at(span.low), height);
+    std::vector<int> slices(static_cast<size_t>((span.high - span.low) / pixel) + 1, 0);
+    for (const auto& p : planPoints(*span.marker, view, height)) {
+        const double s = (glm::dot(p - axis.origin, axis.along) - span.low) / pixel;
+        ++slices[std::min(slices.size() - 1, static_cast<size_t>(std::max(s, 0.0)))];
+    }
+    const auto isWide = [wide = kNarrow * median(slices)](int width) { return width >= wide; };
+    const auto before = std::find_if(slices.begin(), slices.end(), isWide) - slices.begin(),
+               after = std::find_if(slices.rbegin(), slices.rend(), isWide) - slices.rbegin();
+    if (static_cast<double>(before) > kLeast) span.low += static_cast<double>(before) * pixel;
+    if (static_cast<double>(after) > kLeast) span.high -= static_cast<double>(after) * pixel;
+    return span;
+}
+
 // The strip's visible stretches in order along the axis; markers lie on top of paint.
 std::vector<Span> spansOf(const Chain& chain, const Axis& axis, const PlanView& view, double height,
                           double fold) {
@@ -50,6 +68,7 @@ std::vector<Span> spansOf(const Chain& chain, const Axis& axis, const PlanView& 
     for (const Component* marker : chain.markers) {
         spans.push_back(spanOf(*marker, axis, view, height + fold));
         spans.back().marker = marker;
+        spans.back() = withoutFringes(spans.back(), axis, view, height + fold);
     }
     std::sort(spans.begin(), spans.end(), [](const Span& a, const Span& b) { return a.low < b.low; });
     return spans;

@@ -397,6 +397,14 @@ TEST(DetectPieces, a_short_wall_with_a_blot_beside_it_is_no_arc) {
     expectRead(sketch, photo);
 }
 
+// Blur along a red wall's edge beside bluish shade has magenta's hue, and seemed to make the marker wider.
+TEST(DetectPieces, a_fringe_of_a_markers_hue_makes_it_no_wider) {
+    Photograph photo = paintTable(room(), exampleRig());
+    cover(photo, exampleRig(), {{3.9, -5.22}, {4.35, -5.22}, {4.35, -5.13}, {3.9, -5.13}}, 10,
+          {0.5, 0.07, 0.29});
+    expectRead(room(), photo);
+}
+
 // As broad as a wall's top and blue; but what is closed round a hole has no ends.
 TEST(DetectPieces, a_roll_of_tape_is_no_curved_wall) {
     PaintBox paints;
