@@ -6,6 +6,8 @@
 #include "engine/passes/draw_mesh.h"
 #include "engine/passes/scissor.h"
 #include "shaders/io/scene.io.h"
+#include "spirv/background_frag.h"
+#include "spirv/display_vert.h"
 #include "spirv/gain_frag.h"
 #include "spirv/gain_vert.h"
 #include "spirv/glow_frag.h"
@@ -125,6 +127,18 @@ gpu::GraphicsPipeline gainPipeline(gpu::Device& device) {
     return {device, info, "gain"};
 }
 
+// At depth 0, where nothing is. Software devices clear floats pixel by pixel, which takes longer than to draw
+// what is left of the picture.
+gpu::GraphicsPipeline backgroundPipeline(gpu::Device& device) {
+    gpu::GraphicsPipelineInfo info;
+    info.stages = {display_vert, background_frag};
+    info.colourFormats = {kColour};
+    info.depthFormat = kDepth;
+    info.depthTest = true;
+    info.depthCompare = VK_COMPARE_OP_EQUAL;
+    return {device, info, "background"};
+}
+
 constexpr uint32_t kMark = 0xFF; // in the stencil: to be blended over
 
 // Depth, and a mark where a see-through solid is nearest. What shadow volumes left in the stencil is of no
@@ -163,11 +177,14 @@ void bindStreams(VkCommandBuffer commands, std::initializer_list<const gpu::Buff
                            offsets.data());
 }
 
-// `background` none: colours are kept.
-void begin(gpu::Commands& recorded, const SceneTarget& target, std::optional<glm::vec4> background) {
+// What colours the picture begins with; `drawn`: none, each pixel is drawn.
+enum class Before { kept, cleared, drawn };
+
+void begin(gpu::Commands& recorded, const SceneTarget& target, Before before) {
     // The display pass of the frame before has read the colours; its depth was written and tested.
     recorded.transition(target.colour,
-                        background ? VK_IMAGE_LAYOUT_UNDEFINED : VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL,
+                        before == Before::kept ? VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL
+                                               : VK_IMAGE_LAYOUT_UNDEFINED,
                         VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL, gpu::Stage::fragment, gpu::Stage::colour);
     recorded.transition(target.depth, VK_IMAGE_LAYOUT_UNDEFINED,
                         VK_IMAGE_LAYOUT_DEPTH_STENCIL_ATTACHMENT_OPTIMAL, gpu::Stage::depth,
@@ -176,9 +193,10 @@ void begin(gpu::Commands& recorded, const SceneTarget& target, std::optional<glm
     VkRenderingAttachmentInfo colour{VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO};
     colour.imageView = target.colour.view();
     colour.imageLayout = VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL;
-    colour.loadOp = background ? VK_ATTACHMENT_LOAD_OP_CLEAR : VK_ATTACHMENT_LOAD_OP_LOAD;
+    colour.loadOp = before == Before::kept      ? VK_ATTACHMENT_LOAD_OP_LOAD
+                    : before == Before::cleared ? VK_ATTACHMENT_LOAD_OP_CLEAR // to zeros
+                                                : VK_ATTACHMENT_LOAD_OP_DONT_CARE;
     colour.storeOp = VK_ATTACHMENT_STORE_OP_STORE;
-    if (background) colour.clearValue.color = {{background->r, background->g, background->b, background->a}};
     VkRenderingAttachmentInfo depth{VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO};
     depth.imageView = target.depth.view();
     depth.imageLayout = VK_IMAGE_LAYOUT_DEPTH_STENCIL_ATTACHMENT_OPTIMAL;
@@ -236,11 +254,12 @@ ScenePass::ScenePass(gpu::Device& device)
     : ambient_(ambientPipeline(device, false)), ambientKeepingGain_(ambientPipeline(device, true)),
       volumeCaps_(volumePipeline(device, true)), volumeSides_(volumePipeline(device, false)),
       sun_(sunPipeline(device)), glow_(glowPipeline(device)), solid_(device, solidInfo(), "solids"),
-      front_(frontPipeline(device)), seeThrough_(seeThroughPipeline(device)), gain_(gainPipeline(device)) {}
+      background_(backgroundPipeline(device)), front_(frontPipeline(device)),
+      seeThrough_(seeThroughPipeline(device)), gain_(gainPipeline(device)) {}
 
 void ScenePass::record(gpu::Commands& commands, const SceneTarget& target, const SceneInputs& inputs) const {
     const VkCommandBuffer buffer = commands.handle();
-    begin(commands, target, inputs.keepGain ? std::nullopt : std::optional(inputs.background));
+    begin(commands, target, inputs.keepGain ? Before::kept : Before::drawn);
     io::SceneParams params{};
     params.clipFromWorld = inputs.view->clipFromWorld;
     if (inputs.sun) {
@@ -252,6 +271,12 @@ void ScenePass::record(gpu::Commands& commands, const SceneTarget& target, const
     drawTriangles(buffer, surfaces, inputs.triangles);
     for (const SolidDraw& solid : inputs.solids)
         if (!solid.seeThrough) draw(buffer, solid_, solid, *inputs.view);
+    if (!inputs.keepGain) {
+        io::SolidParams behind{};
+        behind.colour = inputs.background;
+        background_.bind(buffer, {}, behind);
+        vkCmdDraw(buffer, 3, 1, 0, 0);
+    }
     if (inputs.glow) {
         glow_.bind(buffer, {*inputs.glow->grids}, params);
         bindStreams(buffer, {inputs.glow->surfaces.corners, inputs.glow->surfaces.light});
@@ -286,7 +311,7 @@ void ScenePass::record(gpu::Commands& commands, const SceneTarget& target, const
 void ScenePass::recordGain(gpu::Commands& commands, const SceneTarget& target,
                            const GainInputs& inputs) const {
     const VkCommandBuffer buffer = commands.handle();
-    begin(commands, target, glm::vec4(0));
+    begin(commands, target, Before::cleared);
     io::GainParams params = inputs.params;
     params.clipFromWorld = inputs.view->clipFromWorld;
     gain_.bind(buffer, {inputs.blend->projectors, inputs.blend->triangles, inputs.blend->borders}, params);

@@ -105,7 +105,7 @@ public:
 
 private:
     gpu::GraphicsPipeline ambient_, ambientKeepingGain_, volumeCaps_, volumeSides_, sun_, glow_, solid_,
-        front_, seeThrough_, gain_;
+        background_, front_, seeThrough_, gain_;
 };
 
 } // namespace heliodon::passes
