@@ -52,13 +52,13 @@ void renderProjectors(Run& run, passes::FrameRenderer& renderer, const Shown& sh
     passes::ProjectorOptions options;
     options.tone = toned(options.tone, arguments.picture, false);
     const StageTimer timer(run, "render");
-    const std::vector<passes::Image8> pictures = renderer.projectors(shown.light, options);
-    for (size_t p = 0; p < pictures.size(); ++p)
-        passes::writePng(pictures[p], arguments.output / fmt::format("projector-{}.png", p));
-    if (!arguments.picture.exr) return;
-    const std::vector<passes::ImageF> linear = renderer.projectorsHdr(shown.light, options);
-    for (size_t p = 0; p < linear.size(); ++p)
-        passes::writeExr(linear[p], arguments.output / fmt::format("projector-{}.exr", p),
+    const passes::ProjectorPictures pictures =
+        arguments.picture.exr ? renderer.projectorsBoth(shown.light, options)
+                              : passes::ProjectorPictures{renderer.projectors(shown.light, options), {}};
+    for (size_t p = 0; p < pictures.bytes.size(); ++p)
+        passes::writePng(pictures.bytes[p], arguments.output / fmt::format("projector-{}.png", p));
+    for (size_t p = 0; p < pictures.floats.size(); ++p)
+        passes::writeExr(pictures.floats[p], arguments.output / fmt::format("projector-{}.exr", p),
                          projectorAttributes(shown.source, shown.source.moment(), shown.whiteLux));
 }
 

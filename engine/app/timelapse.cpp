@@ -182,11 +182,15 @@ public:
             const StageTimer timer(run_, "render");
             drawn_ = solved;
             const compute::Lighting& light = solved->lighting;
-            pictures_ = projectors_ ? renderer_.projectors(light, projector_)
-                                    : std::vector{renderer_.preview(light, preview_)};
-            if (exr_)
-                linear_ = projectors_ ? renderer_.projectorsHdr(light, projector_)
-                                      : std::vector{renderer_.previewHdr(light, preview_)};
+            if (projectors_ && exr_) {
+                passes::ProjectorPictures both = renderer_.projectorsBoth(light, projector_);
+                pictures_ = std::move(both.bytes), linear_ = std::move(both.floats);
+            } else if (projectors_) {
+                pictures_ = renderer_.projectors(light, projector_);
+            } else {
+                pictures_ = {renderer_.preview(light, preview_)};
+                if (exr_) linear_ = {renderer_.previewHdr(light, preview_)};
+            }
         }
         const StageTimer timer(run_, "hand_over"); // long where the encoder is slower than everything else
         std::vector<passes::Image8> pictures = pictures_;

@@ -40,9 +40,10 @@ FrameOutput::FrameOutput(gpu::Device& device, View v, const std::vector<uint32_t
       cornerCount(static_cast<uint32_t>(drawn.size())) {}
 
 const DisplayTarget& FrameOutput::target(gpu::Device& device, DisplayTarget::Kind kind) {
-    if (!display || display->kind != kind)
-        display.emplace(device, view.outputWidth, view.outputHeight, kind, name);
-    return *display;
+    std::optional<DisplayTarget>& there = kind == DisplayTarget::Kind::float32 ? linear : display;
+    if (!there || there->kind != kind)
+        there.emplace(device, view.outputWidth, view.outputHeight, kind, name);
+    return *there;
 }
 
 Image8 FrameOutput::bytes() const {
@@ -59,7 +60,7 @@ Image8 FrameOutput::bytes() const {
 ImageF FrameOutput::floats() const {
     ImageF picture{view.outputWidth, view.outputHeight, {}};
     picture.rgb.resize(3 * pixelCount(view));
-    const float* from = display->pixels.mapped<float>();
+    const float* from = linear->pixels.mapped<float>();
     float* to = picture.rgb.data();
     forShown(view, [&](size_t i) {
         for (size_t c = 0; c < 3; ++c) to[3 * i + c] = from[4 * i + c];
@@ -69,6 +70,7 @@ ImageF FrameOutput::floats() const {
 
 void FrameOutput::setLeaks(gpu::Device& device, const ImageF& leaks) {
     warp = warpBuffer(device, view.warp, leaks, name);
+    linear.reset(); // large, and seldom asked for after this
 }
 
 } // namespace heliodon::passes

@@ -67,6 +67,9 @@ uint32_t toneConstant(ToneMap map) {
                                          : io::kToneLinear;
 }
 
+// What becomes of one drawing of the scene.
+enum class Coding { bytes, floats, both };
+
 // sRGB panels are written through the attachment; others by their gamma.
 float gammaOf(const geometry::Projector& projector) {
     return projector.response == "srgb" ? 0.0f : std::stof(projector.response);
@@ -121,8 +124,10 @@ struct FrameRenderer::State {
     SceneInputs previewInputs(const View& view, const AddedLight& added, Quantity quantity) const;
     void makeOutputs(int supersample);
     void drawGains();
-    gpu::Commands recordProjectors(const compute::Lighting& light, const ProjectorOptions& options, bool hdr,
-                                   bool readBack);
+    gpu::Commands recordProjectors(const compute::Lighting& light, const ProjectorOptions& options,
+                                   Coding coding, bool readBack);
+    std::vector<Image8> bytes() const; // of projectors, read back
+    std::vector<ImageF> floats() const;
     FrameOutput& drawView(const compute::Lighting& light, View view, const Tone& tone, bool hdr);
     View previewView(const PreviewOptions& o) const;
 
@@ -293,10 +298,11 @@ void FrameRenderer::State::drawGains() {
 }
 
 gpu::Commands FrameRenderer::State::recordProjectors(const compute::Lighting& light,
-                                                     const ProjectorOptions& o, bool hdr, bool readBack) {
+                                                     const ProjectorOptions& o, Coding coding,
+                                                     bool readBack) {
     makeOutputs(o.supersample);
     const FrameScene& scene = model->scene;
-    const Quantity quantity = hdr ? Quantity::picture : quantityOf(o.tone);
+    const Quantity quantity = coding == Coding::floats ? Quantity::picture : quantityOf(o.tone);
     const bool illuminance = quantity == Quantity::illuminance;
     const AddedLight added = prepareLight(model->shown, light, quantity);
     io::DisplayParams params = displayParams(light, o.tone);
@@ -306,17 +312,32 @@ gpu::Commands FrameRenderer::State::recordProjectors(const compute::Lighting& li
         FrameOutput& output = model->outputs[i];
         params.fullScale = static_cast<float>(scene.painted.white / scene.shown.blend.candela[i]);
         params.blackLevel = static_cast<float>(projector.blackLevel);
-        params.gamma = hdr ? 0 : gammaOf(projector);
         params.outputWidth = static_cast<uint32_t>(projector.width);
         scenePass.record(commands, output.scene, projectorInputs(i, added, illuminance));
-        const auto kind = hdr                ? DisplayTarget::Kind::float32
-                          : params.gamma > 0 ? DisplayTarget::Kind::unorm8
-                                             : DisplayTarget::Kind::srgb8;
-        displayPass.record(commands, output.scene.colour, output.warp, output.view,
-                           output.target(*device, kind), hdr ? io::kToneRaw : toneConstant(o.tone.map),
-                           params, readBack);
+        const auto code = [&](DisplayTarget::Kind kind, float gamma, uint32_t tone) {
+            params.gamma = gamma;
+            displayPass.record(commands, output.scene.colour, output.warp, output.view,
+                               output.target(*device, kind), tone, params, readBack);
+        };
+        const float gamma = gammaOf(projector);
+        if (coding != Coding::floats)
+            code(gamma > 0 ? DisplayTarget::Kind::unorm8 : DisplayTarget::Kind::srgb8, gamma,
+                 toneConstant(o.tone.map));
+        if (coding != Coding::bytes) code(DisplayTarget::Kind::float32, 0, io::kToneRaw);
     }
     return commands;
+}
+
+std::vector<Image8> FrameRenderer::State::bytes() const {
+    std::vector<Image8> pictures;
+    for (const FrameOutput& output : model->outputs) pictures.push_back(output.bytes());
+    return pictures;
+}
+
+std::vector<ImageF> FrameRenderer::State::floats() const {
+    std::vector<ImageF> pictures;
+    for (const FrameOutput& output : model->outputs) pictures.push_back(output.floats());
+    return pictures;
 }
 
 SceneInputs FrameRenderer::State::previewInputs(const View& view, const AddedLight& added,
@@ -435,10 +456,8 @@ Image8 FrameRenderer::preview(const compute::Lighting& light, const PreviewOptio
 std::vector<Image8> FrameRenderer::projectors(const compute::Lighting& light,
                                               const ProjectorOptions& options) {
     if (state_->model->scene.views.empty()) return {};
-    state_->device->submitAndWait(state_->recordProjectors(light, options, false, true));
-    std::vector<Image8> pictures;
-    for (const FrameOutput& output : state_->model->outputs) pictures.push_back(output.bytes());
-    return pictures;
+    state_->device->submitAndWait(state_->recordProjectors(light, options, Coding::bytes, true));
+    return state_->bytes();
 }
 
 ImageF FrameRenderer::previewHdr(const compute::Lighting& light, const PreviewOptions& options) {
@@ -448,16 +467,23 @@ ImageF FrameRenderer::previewHdr(const compute::Lighting& light, const PreviewOp
 std::vector<ImageF> FrameRenderer::projectorsHdr(const compute::Lighting& light,
                                                  const ProjectorOptions& options) {
     if (state_->model->scene.views.empty()) return {};
-    state_->device->submitAndWait(state_->recordProjectors(light, options, true, true));
-    std::vector<ImageF> pictures;
-    for (const FrameOutput& output : state_->model->outputs) pictures.push_back(output.floats());
-    return pictures;
+    state_->device->submitAndWait(state_->recordProjectors(light, options, Coding::floats, true));
+    return state_->floats();
+}
+
+ProjectorPictures FrameRenderer::projectorsBoth(const compute::Lighting& light,
+                                                const ProjectorOptions& options) {
+    if (state_->model->scene.views.empty()) return {};
+    if (options.tone.map == ToneMap::falseColour) // of lux, which are another drawing
+        return {projectors(light, options), projectorsHdr(light, options)};
+    state_->device->submitAndWait(state_->recordProjectors(light, options, Coding::both, true));
+    return {state_->bytes(), state_->floats()};
 }
 
 std::vector<const gpu::Image*> FrameRenderer::drawProjectors(const compute::Lighting& light,
                                                              const ProjectorOptions& options) {
     if (state_->model->scene.views.empty()) return {};
-    gpu::Commands commands = state_->recordProjectors(light, options, false, false);
+    gpu::Commands commands = state_->recordProjectors(light, options, Coding::bytes, false);
     state_->drawing = state_->device->submit(std::move(commands));
     std::vector<const gpu::Image*> pictures;
     for (const FrameOutput& output : state_->model->outputs) pictures.push_back(&output.display->picture);

@@ -45,6 +45,11 @@ struct ProjectorOptions {
     Tone tone;
 };
 
+struct ProjectorPictures {
+    std::vector<Image8> bytes;
+    std::vector<ImageF> floats;
+};
+
 class FrameRenderer {
 public:
     // `rig` may be null: then there are previews only. The device outlives the renderer; the rest is copied.
@@ -83,6 +88,9 @@ public:
     // picture holds its drive, linear, 1 = full, not clipped.
     ImageF previewHdr(const compute::Lighting& light, const PreviewOptions& options = {});
     std::vector<ImageF> projectorsHdr(const compute::Lighting& light, const ProjectorOptions& options = {});
+
+    // projectors() and projectorsHdr(), of one drawing of the scene where that will do.
+    ProjectorPictures projectorsBoth(const compute::Lighting& light, const ProjectorOptions& options = {});
 
     // Exitance (lux) seen by any view through a pinhole or a lens; nothing but simulated patches is drawn.
     ImageF exitance(const compute::Lighting& light, const View& view);

@@ -437,6 +437,27 @@ TEST(Projector, a_picture_in_floats_is_the_one_in_bytes_with_its_windows) {
     }
 }
 
+TEST(Projector, pictures_in_floats_and_bytes_of_one_drawing_are_those_of_two) {
+    geometry::Rig rig = exampleRig();
+    rig.projectors[1].response = "2.2";
+    rig.projectors[2].blackLevel = 0.01;
+    const test::SketchScene scene = test::sketchScene(6);
+    for (const ToneMap map : {ToneMap::linear, ToneMap::falseColour}) {
+        FrameRenderer renderer(test::device(), scene.mesh, scene.occluders, &rig);
+        ProjectorOptions options;
+        options.tone.map = map;
+        const std::vector<Image8> bytes = renderer.projectors(scene.light, options);
+        const std::vector<ImageF> floats = renderer.projectorsHdr(scene.light, options);
+        const ProjectorPictures both = renderer.projectorsBoth(scene.light, options);
+        ASSERT_EQ(both.bytes.size(), bytes.size());
+        ASSERT_EQ(both.floats.size(), floats.size());
+        for (size_t p = 0; p < bytes.size(); ++p) {
+            EXPECT_TRUE(both.bytes[p].rgb == bytes[p].rgb) << p;
+            EXPECT_TRUE(both.floats[p].rgb == floats[p].rgb) << p;
+        }
+    }
+}
+
 TEST(Projector, full_intensity_integrates_back_to_its_lumens) {
     // A narrow square picture of side s at distance 1 has the solid angle s^2 (1 - s^2 / 4 + ...).
     geometry::Projector projector;
