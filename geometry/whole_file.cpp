@@ -4,6 +4,7 @@
 #include <array>
 #include <cerrno>
 #include <charconv>
+#include <climits>
 #include <cstdio>
 #include <cstdlib>
 #include <fstream>
@@ -106,6 +107,12 @@ bool isOfDeadProcess(const fs::path& file) {
     return error == std::errc() && end == last && process > 0 && ::kill(process, 0) != 0 && errno == ESRCH;
 }
 
+// Bytes that a name in the folder may have.
+size_t longestName(const fs::path& folder) {
+    const long most = ::pathconf(folder.c_str(), _PC_NAME_MAX);
+    return most > 0 ? static_cast<size_t>(most) : NAME_MAX;
+}
+
 void removeQuietly(const fs::path& file) {
     std::error_code ignored;
     fs::remove(file, ignored);
@@ -162,8 +169,15 @@ bool isStream(const fs::path& target) {
 fs::path asideOf(const fs::path& target) {
     const fs::path folder = folderOf(target);
     removeLeftOvers(folder);
-    return folder / fmt::format(".{}.heliodon-{}-{}{}", target.stem().string(), processSpace(), ::getpid(),
-                                target.extension().string());
+    const auto named = [&](const std::string& stem) {
+        return fmt::format(".{}.heliodon-{}-{}{}", stem, processSpace(), ::getpid(),
+                           target.extension().string());
+    };
+    const std::string name = named(target.stem().string());
+    const size_t longest = longestName(folder);
+    if (name.size() <= longest || target.filename().string().size() > longest) return folder / name;
+    // The target's has room in the folder, this one has not.
+    return folder / named(fmt::format("{:016x}", std::hash<std::string>()(target.stem().string())));
 }
 
 fs::path placeOf(const fs::path& named) {

@@ -57,6 +57,7 @@ FrameSink::FrameSink(FrameSinkOptions options)
         geometry::refuseUnwritable(film);
         held_.emplace_back(film);
     }
+    if (isFilm_) geometry::refuseUnwritable(table()); // whose name is longer
     if (options_.resume) refuseOtherJob();
     if (folder_.empty()) return; // Film has a thread of its own
     made_.emplace(folder_);

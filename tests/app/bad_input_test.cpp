@@ -3,6 +3,7 @@
 
 #include "geometry/picture_file.h"
 #include "geometry/rig.h"
+#include "geometry/whole_file.h"
 #include "tests/app/program.h"
 #include "tests/vision/table_painter.h"
 
@@ -129,6 +130,23 @@ TEST_F(BadInput, outputs_that_would_hurt_what_is_there) {
     expectRefused("model " + kPhoto + " --rig " + kRig + " -o " + nowhere + "/a.obj --report " + nowhere +
                       "/b.json",
                   {"xxx", "too long"});
+    // The film's name has room, its table's has not.
+    expectRefused("timelapse " + kPhoto + " --rig " + kRig + " --view preview -o " + in(std::string(246, 'x') + ".mp4") +
+                      " --from 2026-06-21T12:00solar --to 2026-06-21T12:00solar --step PT1H",
+                  {"xxx.frames.csv", "too long"});
+}
+
+TEST_F(BadInput, names_as_long_as_the_file_system_holds_are_written) {
+    const std::string most(250, 'x');
+    const Outcome outcome = heliodon("detect " + kPhoto + " --rig " + kRig + " -o " + in(most + ".json") +
+                                     " --report " + in("y" + most.substr(1) + ".json"));
+    EXPECT_EQ(outcome.exitCode, 0) << outcome.output;
+    size_t files = 0;
+    for (const auto& entry : std::filesystem::directory_iterator(folder))
+        files += entry.path().filename().string().size() == 255;
+    EXPECT_EQ(files, 2u);
+    // What is written aside meanwhile, by several threads, has names of its own.
+    EXPECT_NE(geometry::asideOf(in(most + "1.png")), geometry::asideOf(in(most + "2.png")));
 }
 
 TEST_F(BadInput, materials_that_a_model_reads_are_not_written_over) {

@@ -61,7 +61,7 @@ TEST_F(FilmTest, goes_where_its_name_links_to) {
 }
 
 TEST_F(FilmTest, says_why_its_file_cannot_be_begun) {
-    const std::string name = std::string(250, 'x') + ".mp4";
+    const std::string name = std::string(252, 'x') + ".mp4";
     try {
         app::Film(in(name), [](const std::filesystem::path&) { return nullptr; });
         FAIL();
