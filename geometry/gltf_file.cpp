@@ -84,7 +84,7 @@ class GltfReader {
 public:
     explicit GltfReader(const std::filesystem::path& file) {
         out_.file = file.string();
-        const std::string bytes = readText(file, "a model (.gltf .glb)");
+        const std::string bytes = readText(file, "a model (.gltf .glb)", kLargestModel);
         const bool binary = bytes.starts_with("glTF");
         if (binary) refuseOlder(bytes);
         if (binary) refuseCutOff(bytes);
@@ -109,7 +109,7 @@ public:
                                                  beside)
                    : loader.LoadASCIIFromString(&in_, &errors, &warnings, bytes.data(), size, beside);
         if (!good) {
-            if (!binary) readJson(file, "a model (glTF 2.0)"); // where it stops being JSON
+            if (!binary) readJson(file, "a model (glTF 2.0)", kLargestModel); // where it stops being JSON
             refuseMissingPart(errors);
             // In one line, and without the file's name, which stands in front.
             for (size_t at; (at = errors.find(out_.file)) != std::string::npos;)

@@ -27,7 +27,7 @@ class Lines {
 public:
     // `expected`: what the file should be.
     Lines(const std::filesystem::path& file, const std::string& expected)
-        : file_(file.string()), text_(readText(file, expected)) {
+        : file_(file.string()), text_(readText(file, expected, kLargestModel)) {
         refuseOtherKinds(file, text_, expected);
         constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
         if (text_.starts_with(kByteOrderMark)) position_ = kByteOrderMark.size();

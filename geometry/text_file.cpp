@@ -3,11 +3,14 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <cerrno>
 #include <cstdint>
 #include <fstream>
-#include <sstream>
+#include <set>
+#include <stdexcept>
 #include <string_view>
 #include <system_error>
+#include <vector>
 
 #include <fmt/format.h>
 #include <unistd.h>
@@ -17,6 +20,8 @@
 namespace heliodon::geometry {
 
 namespace {
+
+constexpr std::array<int, 3> kEndingSignals{SIGINT, SIGTERM, SIGHUP};
 
 // Bytes of the character that starts here; 0 where it is no UTF-8.
 size_t characterLength(std::string_view text) {
@@ -58,6 +63,60 @@ std::string lineAt(std::string_view text, size_t at) {
     return std::to_string(1 + std::ranges::count(text.substr(0, at), '\n'));
 }
 
+// What nlohmann's parser calls with what it comes upon.
+class RepeatedFields : public nlohmann::json_sax<nlohmann::json> {
+public:
+    explicit RepeatedFields(const std::filesystem::path& file) : file_(file) {}
+    bool null() override { return value(); }
+    bool boolean(bool) override { return value(); }
+    bool number_integer(number_integer_t) override { return value(); }
+    bool number_unsigned(number_unsigned_t) override { return value(); }
+    bool number_float(number_float_t, const string_t&) override { return value(); }
+    bool string(string_t&) override { return value(); }
+    bool binary(binary_t&) override { return value(); }
+    bool start_object(size_t) override { return begin(false); }
+    bool start_array(size_t) override { return begin(true); }
+    bool end_object() override { return end(); }
+    bool end_array() override { return end(); }
+    bool parse_error(size_t, const std::string&, const nlohmann::json::exception&) override { return false; }
+    bool key(string_t& name) override {
+        open_.back().field = name;
+        if (!open_.back().fields.insert(name).second)
+            throw InputError(file_.string(), place(), "is there twice, expected it once");
+        return true;
+    }
+
+private:
+    struct Open {
+        bool list = false;
+        size_t count = 0;             // of a list: what was read of it
+        std::string field;            // of an object: the last one,
+        std::set<std::string> fields; // and all
+    };
+
+    bool begin(bool list) {
+        open_.push_back({list, 0, {}, {}});
+        return true;
+    }
+    bool end() {
+        open_.pop_back();
+        return value();
+    }
+    bool value() {
+        if (!open_.empty()) ++open_.back().count;
+        return true;
+    }
+    std::string place() const {
+        std::string out;
+        for (const Open& in : open_)
+            out += in.list ? fmt::format("[{}]", in.count) : (out.empty() ? "" : ".") + in.field;
+        return out;
+    }
+
+    const std::filesystem::path& file_;
+    std::vector<Open> open_;
+};
+
 } // namespace
 
 void refuseUnreadable(const std::filesystem::path& file, const std::string& expected) {
@@ -73,14 +132,41 @@ void refuseUnreadable(const std::filesystem::path& file, const std::string& expe
     if (what) throw InputError(file.string(), "", std::string(what) + ", expected " + expected);
 }
 
-std::string readText(const std::filesystem::path& file, const std::string& expected) {
+EndsWaiting::EndsWaiting() {
+    for (size_t k = 0; k < kEndingSignals.size(); ++k) {
+        ::sigaction(kEndingSignals[k], nullptr, &before_[k]);
+        struct sigaction action = before_[k];
+        action.sa_flags &= ~SA_RESTART;
+        ::sigaction(kEndingSignals[k], &action, nullptr);
+    }
+}
+
+EndsWaiting::~EndsWaiting() {
+    for (size_t k = 0; k < kEndingSignals.size(); ++k) ::sigaction(kEndingSignals[k], &before_[k], nullptr);
+}
+
+void EndsWaiting::throwIfEnded(const std::filesystem::path& file, int error) {
+    if (error == EINTR) throw std::runtime_error(file.string() + ": interrupted, nobody writes into this pipe");
+}
+
+std::string readText(const std::filesystem::path& file, const std::string& expected, size_t largest) {
     refuseUnreadable(file, expected);
-    std::ifstream in(file, std::ios::binary);
-    std::ostringstream text;
-    text << in.rdbuf(); // nothing of an empty file fails, too
-    if (text.bad() || !in.is_open())
+    std::ifstream in;
+    {
+        const EndsWaiting guard;
+        in.open(file, std::ios::binary);
+        if (!in.is_open()) EndsWaiting::throwIfEnded(file, errno);
+    }
+    std::string read;
+    std::vector<char> chunk(1 << 20);
+    while (in.read(chunk.data(), static_cast<std::streamsize>(chunk.size())), in.gcount() > 0) {
+        read.append(chunk.data(), static_cast<size_t>(in.gcount()));
+        if (read.size() > largest)
+            throw InputError(file.string(), "",
+                             fmt::format("is larger than {} MiB, expected {}", largest >> 20, expected));
+    }
+    if (in.bad() || !in.is_open())
         throw InputError(file.string(), "", "cannot be read, expected " + expected);
-    std::string read = std::move(text).str();
     refuseUtf16(file, read);
     return read;
 }
@@ -145,30 +231,9 @@ void refuseLargeNumber(const std::filesystem::path& file, const std::string& tex
                      fmt::format("{} is too large a number to represent", number));
 }
 
-void RepeatedFields::begin(bool list) {
-    open_.push_back({list, 0, {}, {}});
-}
-
-void RepeatedFields::field(const std::string& name) {
-    open_.back().field = name;
-    if (!open_.back().fields.insert(name).second)
-        throw InputError(file_.string(), place(), "is there twice, expected it once");
-}
-
-void RepeatedFields::value() {
-    if (!open_.empty()) ++open_.back().count;
-}
-
-void RepeatedFields::end() {
-    open_.pop_back();
-    value();
-}
-
-std::string RepeatedFields::place() const {
-    std::string out;
-    for (const Open& in : open_)
-        out += in.list ? fmt::format("[{}]", in.count) : (out.empty() ? "" : ".") + in.field;
-    return out;
+void refuseRepeatedFields(const std::filesystem::path& file, const std::string& text) {
+    RepeatedFields repeated(file);
+    nlohmann::json::sax_parse(text, &repeated);
 }
 
 std::string asUtf8(const std::string& text) {

@@ -1,20 +1,40 @@
 // Text and JSON files that are read as a whole, with one way to complain about them.
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <filesystem>
-#include <set>
 #include <string>
 #include <string_view>
-#include <utility>
-#include <vector>
 
 #include <nlohmann/json.hpp>
+#include <signal.h>
 
 namespace heliodon::geometry {
 
-// Throws InputError where it is missing, a folder, or cannot be read. `expected` ends the message: "a rig
-// (vh-rig/1)".
-std::string readText(const std::filesystem::path& file, const std::string& expected);
+// Bytes of a file: devices have no end, and memory has.
+constexpr size_t kLargestText = size_t{64} << 20, kLargestModel = size_t{1} << 30;
+
+// Throws InputError where it is missing, a folder, larger than `largest` bytes, or cannot be read. `expected`
+// ends the message: "a rig (vh-rig/1)".
+std::string readText(const std::filesystem::path& file, const std::string& expected,
+                     size_t largest = kLargestText);
+
+// While it lives, Ctrl-C ends a call that waits, as opening a pipe does that nobody writes into. In the thread
+// that signals go to.
+class EndsWaiting {
+public:
+    EndsWaiting();
+    ~EndsWaiting();
+    EndsWaiting(const EndsWaiting&) = delete;
+    EndsWaiting& operator=(const EndsWaiting&) = delete;
+
+    // Throws std::runtime_error where that is why a call failed, by its errno.
+    static void throwIfEnded(const std::filesystem::path& file, int error);
+
+private:
+    std::array<struct sigaction, 3> before_;
+};
 
 // For readers of other kinds of file: throws what readText would.
 void refuseUnreadable(const std::filesystem::path& file, const std::string& expected);
@@ -29,48 +49,20 @@ void refuseOtherKinds(const std::filesystem::path& file, std::string_view text, 
 [[noreturn]] void refuseLargeNumber(const std::filesystem::path& file, const std::string& text,
                                     const nlohmann::json::out_of_range& error);
 
-// Told what a parser comes upon, throws InputError where an object has a field twice: parsers keep the last.
-class RepeatedFields {
-public:
-    explicit RepeatedFields(std::filesystem::path file) : file_(std::move(file)) {}
-    void begin(bool list); // an object or a list
-    void field(const std::string& name);
-    void value();
-    void end();
-
-private:
-    struct Open {
-        bool list = false;
-        size_t count = 0;             // of a list: what was read of it
-        std::string field;            // of an object: the last one,
-        std::set<std::string> fields; // and all
-    };
-    std::string place() const;
-
-    std::filesystem::path file_;
-    std::vector<Open> open_;
-};
+// Throws InputError where an object of the JSON has a field twice, of which parsers keep the last; what is no
+// JSON is passed over.
+void refuseRepeatedFields(const std::filesystem::path& file, const std::string& text);
 
 // As readText, and InputError with the line where it stops being JSON, or a field that is there twice. Json:
 // nlohmann::json or ordered_json.
 template<class Json = nlohmann::json>
-Json readJson(const std::filesystem::path& file, const std::string& expected) {
-    const std::string text = readText(file, expected);
-    RepeatedFields repeated(file);
-    const auto check = [&](int, typename Json::parse_event_t event, const Json& parsed) {
-        using Event = typename Json::parse_event_t;
-        if (event == Event::key)
-            repeated.field(parsed.template get<std::string>());
-        else if (event == Event::object_start || event == Event::array_start)
-            repeated.begin(event == Event::array_start);
-        else if (event == Event::object_end || event == Event::array_end)
-            repeated.end();
-        else
-            repeated.value();
-        return true;
-    };
+Json readJson(const std::filesystem::path& file, const std::string& expected,
+              size_t largest = kLargestText) {
+    const std::string text = readText(file, expected, largest);
+    // In a pass of its own: told while it parses, nlohmann's parser takes time with the square of a list.
+    refuseRepeatedFields(file, text);
     try {
-        return Json::parse(text, check);
+        return Json::parse(text);
     } catch (const nlohmann::json::parse_error& error) {
         refuseNotJson(file, text, error.byte, expected);
     } catch (const nlohmann::json::out_of_range& error) {

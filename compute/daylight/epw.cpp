@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cerrno>
 #include <cmath>
 #include <memory>
 #include <string_view>
@@ -28,7 +29,12 @@ constexpr size_t kLargestFile = size_t{256} << 20;
 std::string readText(const std::string& file) {
     const std::string expected = "hourly weather (.epw, .wea, or one of them as .gz)";
     geometry::refuseUnreadable(file, expected);
-    const std::unique_ptr<gzFile_s, int (*)(gzFile)> in(gzopen(file.c_str(), "rb"), gzclose);
+    std::unique_ptr<gzFile_s, int (*)(gzFile)> in(nullptr, gzclose);
+    {
+        const geometry::EndsWaiting guard;
+        in.reset(gzopen(file.c_str(), "rb"));
+        if (!in) geometry::EndsWaiting::throwIfEnded(file, errno);
+    }
     if (!in) throw InputError(file, "", "cannot be read, expected " + expected);
     std::string text;
     std::vector<char> block(1 << 16);

@@ -1,14 +1,22 @@
 // Time-lapses that go on where another stopped, and runs that are interrupted, as a user meets them.
 #include <array>
+#include <atomic>
 #include <csignal>
 #include <thread>
 
+#include <fcntl.h>
+#include <pthread.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
 #include <nlohmann/json.hpp>
 
+#include "compute/daylight/weather.h"
 #include "engine/app/film.h"
 #include "engine/app/interrupt.h"
 #include "engine/app/output_folder.h"
 #include "engine/app/run.h"
+#include "geometry/text_file.h"
 #include "tests/app/program.h"
 
 namespace heliodon::test {
@@ -495,6 +503,35 @@ TEST(Interrupt, a_second_signal_ends_the_program_at_once_where_it_is_no_echo_of_
     EXPECT_EXIT(raised(SIGINT, SIGTERM, kLater), testing::KilledBySignal(SIGTERM), "");
     EXPECT_EXIT(raised(SIGTERM, SIGTERM, 20), testing::ExitedWithCode(0), "");
     EXPECT_EXIT(raised(SIGHUP, SIGHUP, kLater), testing::ExitedWithCode(0), "");
+}
+
+class PipeTest : public InFolder {};
+
+TEST_F(PipeTest, that_nobody_writes_into_is_waited_for_until_the_first_signal) {
+    const std::string pipe = in("pipe");
+    ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+    const auto message = [&](const auto& read) -> std::string {
+        const app::InterruptGuard guard;
+        std::atomic<bool> done = false;
+        std::thread hand([&, reader = pthread_self()] {
+            std::this_thread::sleep_for(std::chrono::milliseconds(100));
+            pthread_kill(reader, SIGINT);
+            for (int i = 0; i < 100 && !done; ++i) std::this_thread::sleep_for(std::chrono::milliseconds(20));
+            if (!done) close(open(pipe.c_str(), O_WRONLY | O_NONBLOCK)); // or it would wait for ever
+        });
+        std::string said;
+        try {
+            read();
+        } catch (const std::exception& error) {
+            said = error.what();
+        }
+        done = true;
+        hand.join();
+        return said;
+    };
+    const std::string wanted = pipe + ": interrupted, nobody writes into this pipe";
+    EXPECT_EQ(message([&] { geometry::readText(pipe, "a sketch"); }), wanted);
+    EXPECT_EQ(message([&] { daylight::readWeather(pipe); }), wanted);
 }
 
 // Commands that use no device are asked between their stages: `model` wrote all of two million triangles.
