@@ -28,6 +28,8 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "binary tables are written as they lie in memory");
 
+constexpr size_t kLargestTable = size_t{256} << 20; // bytes of text
+
 // What stands between cells: spreadsheets of many languages write semicolons, others tabs; a blank stands for
 // any number of them.
 char separatorOf(const std::string& header) {
@@ -145,8 +147,7 @@ std::string csvField(const std::string& text) {
 }
 
 SensorTable readSensors(const std::filesystem::path& file, geometry::UpAxis up) {
-    geometry::refuseUnreadable(file, "a table of sensors (.csv)");
-    std::ifstream in(file);
+    std::istringstream in(geometry::readText(file, "a table of sensors (.csv)", kLargestTable));
     SensorTable table;
     std::string line;
     if (!getTextLine(in, line))

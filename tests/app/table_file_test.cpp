@@ -106,6 +106,17 @@ TEST_F(TableFile, bad_sensors_are_refused_by_line) {
     }
 }
 
+TEST_F(TableFile, sensors_without_end_are_refused) {
+    std::filesystem::create_symlink("/dev/zero", in("s.csv"));
+    try {
+        readSensors(in("s.csv"), geometry::UpAxis::y);
+        ADD_FAILURE() << "were accepted";
+    } catch (const InputError& error) {
+        EXPECT_EQ(std::string(error.what()),
+                  in("s.csv") + ": is larger than 256 MiB, expected a table of sensors (.csv)");
+    }
+}
+
 TEST_F(TableFile, matrices_come_back_as_they_were_written) {
     const std::vector<float> values{1, 2, 3, 4, 5, 6};
     writeNpy(in("m.npy"), 2, 3, values);
