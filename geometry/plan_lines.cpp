@@ -88,8 +88,8 @@ private:
                 int hit = -1;
                 firstHit(plan_.solids, e.middle, e.out, e.piece, &hit);
                 if (hit < 0 || plan_.solids[static_cast<size_t>(hit)].piece != f.piece) continue;
-                add(e.right, f.left, {.start = e.right, .alongSide = true});
-                add(e.left, f.right, {.start = e.left, .alongSide = true});
+                add(e.right, f.left, {.start = e.right, .alongSide = piece(e).line});
+                add(e.left, f.right, {.start = e.left, .alongSide = piece(e).line});
                 alongSide_.insert({e.piece, e.atB});
                 alongSide_.insert({f.piece, f.atB});
             }

@@ -17,7 +17,7 @@ struct PlanLine {
     double weight = 1;        // of a bridge: what an inch costs at its start
     double growth = 0;        // and how that grows along it
     glm::dvec2 start{};
-    bool alongSide = false; // from piece to piece of one straight side
+    int alongSide = -1; // the straight side from piece to piece of which it leads
 };
 
 // What a wall would cover if it were lengthened from a free end to what stands before that.

@@ -59,7 +59,7 @@ private:
 
     bool isInSide(uint32_t half) const {
         return std::ranges::any_of(map_.tags[half / 2], [&](const PlanArrangement::Tag& tag) {
-            return lines_.lines[static_cast<size_t>(tag.tag)].alongSide;
+            return lines_.lines[static_cast<size_t>(tag.tag)].alongSide >= 0;
         });
     }
 
@@ -135,7 +135,7 @@ private:
 
 void dropPaths(const PlanWalls& plan, const PlanLines& lines, const PlanArrangement& map,
                const std::vector<bool>& solid, const std::vector<SeenWall>& seen, std::vector<bool>& inside) {
-    if (std::ranges::none_of(lines.lines, &PlanLine::alongSide)) return;
+    if (std::ranges::none_of(lines.lines, [](const PlanLine& line) { return line.alongSide >= 0; })) return;
     PathFinder(plan, lines, map, solid, seen, inside).drop(inside);
 }
 

@@ -25,6 +25,7 @@
 #include "geometry/perpendicular.h"
 #include "geometry/plan_arrangement.h"
 #include "geometry/plan_lines.h"
+#include "geometry/plan_lobbies.h"
 #include "geometry/plan_paths.h"
 #include "geometry/plan_regions.h"
 #include "geometry/plan_rings.h"
@@ -90,6 +91,7 @@ public:
         ringsOnly_ = false;
         dropPaths(plan_, lines_, map_, solid_, seenWalls(), inside_);
         accept(sealed());
+        accept(withLobbies(plan_, lines_, map_, solid_, seenWalls(), inside_));
         return trace();
     }
 

@@ -1,0 +1,66 @@
+#include "geometry/plan_lobbies.h"
+
+#include <algorithm>
+#include <map>
+
+#include <glm/geometric.hpp>
+
+#include "geometry/disjoint_sets.h"
+
+namespace heliodon::geometry {
+
+namespace {
+
+constexpr double kBesideHole = 0.25; // of its width: how much wall a space sees beside a hole at least
+
+struct Space {
+    bool closed = true;                // but for holes of straight sides
+    std::map<int, double> holes, seen; // straight side: length of what is open, of its walls
+};
+
+} // namespace
+
+std::vector<bool> withLobbies(const PlanWalls& plan, const PlanLines& lines, const PlanArrangement& map,
+                              const std::vector<bool>& solid, const std::vector<SeenWall>& seen,
+                              const std::vector<bool>& inside) {
+    const auto length = [&](uint32_t half) {
+        return glm::length(map.points[map.target[half]] - map.points[map.source(half)]);
+    };
+    const auto holeIn = [&](uint32_t half) {
+        for (const PlanArrangement::Tag& tag : map.tags[half / 2])
+            if (const int side = lines.lines[static_cast<size_t>(tag.tag)].alongSide; side >= 0) return side;
+        return -1;
+    };
+    const auto isAir = [&](uint32_t cell) { return !solid[cell] && !inside[cell]; };
+
+    DisjointSets cells(map.cellCount);
+    for (uint32_t h = 0; h < map.cell.size(); h += 2)
+        if (isAir(map.cell[h]) && isAir(map.cell[h + 1]) && holeIn(h) < 0)
+            cells.join(map.cell[h], map.cell[h + 1]);
+    std::map<uint32_t, Space> spaces;
+    spaces[cells.root(0)].closed = false;
+    for (uint32_t h = 0; h < map.cell.size(); ++h) {
+        const uint32_t own = map.cell[h], other = map.cell[h ^ 1u];
+        if (!isAir(own) || solid[other] || cells.root(own) == cells.root(other)) continue;
+        Space& space = spaces[cells.root(own)];
+        if (inside[other])
+            space.closed = false;
+        else
+            space.holes[holeIn(h)] += length(h);
+    }
+    for (const SeenWall& wall : seen)
+        if (const int side = plan.pieces[static_cast<size_t>(wall.piece)].line; isAir(map.cell[wall.half]))
+            spaces[cells.root(map.cell[wall.half])].seen[side] += length(wall.half);
+
+    std::vector<bool> out = inside;
+    for (uint32_t c = 0; c < map.cellCount; ++c) {
+        if (!isAir(c)) continue;
+        Space& space = spaces[cells.root(c)];
+        out[c] = space.closed && std::ranges::all_of(space.holes, [&](const auto& hole) {
+                     return space.seen[hole.first] >= kBesideHole * hole.second;
+                 });
+    }
+    return out;
+}
+
+} // namespace heliodon::geometry

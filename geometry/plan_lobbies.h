@@ -1,0 +1,21 @@
+// A hole in an outer wall is filled, also where the space behind it has no other wall for itself: a lobby in
+// a corner of a hall, a store with a door to the street.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "geometry/plan_arrangement.h"
+#include "geometry/plan_lines.h"
+#include "geometry/plan_paths.h"
+#include "geometry/plan_walls.h"
+
+namespace heliodon::geometry {
+
+// The cells inside and those of spaces that open to the outside by holes of straight sides alone and see
+// enough of the walls beside each: none of a recess between wings, as wide as they are apart.
+std::vector<bool> withLobbies(const PlanWalls& plan, const PlanLines& lines, const PlanArrangement& map,
+                              const std::vector<bool>& solid, const std::vector<SeenWall>& seen,
+                              const std::vector<bool>& inside);
+
+} // namespace heliodon::geometry
