@@ -27,6 +27,7 @@ constexpr double kPilaster = 0.5;     // of a wall's length: a shorter piece wit
 constexpr double kStandsOut = 0.18;   // by so many inches on one side,
 constexpr double kFlush = 0.05;       // and no more than so many on the other one, is no copy of it
 constexpr double kShortestWall = 0.1; // inches: shorter ones are slips of the detection
+constexpr double kLeastInside = 0.02; // inches: the inner radius of an arc
 constexpr double kMeet = 1e-9;        // radians: arcs that end where others begin, but for rounding
 
 glm::dvec2 onCircle(double angle) {
@@ -67,7 +68,7 @@ std::vector<WallPiece> curvedPieces(const Sketch& sketch, bool green, PlanWalls&
     for (const Arc& arc : sketch.arcs) {
         if ((arc.heightClass == HeightClass::green) != green) continue;
         const double sweep = std::min((arc.a1Deg - arc.a0Deg) * kPi / 180, 2 * kPi);
-        if (sweep * arc.radius < kShortestWall || arc.radius < arc.thickness) {
+        if (sweep * arc.radius < kShortestWall || arc.radius < arc.thickness / 2 + kLeastInside) {
             plan.notes.push_back(
                 {"ZERO_LENGTH_WALL", fmt::format("arc {} is too small to be a wall and is ignored", arc.id)});
             plan.ignored.push_back({arc.id, "too small to be a wall"});
