@@ -16,7 +16,8 @@ namespace heliodon::geometry {
 namespace {
 
 constexpr double kLeast = 0.5;  // inches: less of a wall, or of an opening, is none
-constexpr double kAcross = 0.7; // the sine of the angle between walls and the way from one to the other
+constexpr double kDoor = 2;     // inches: as wide as doors are drawn
+constexpr double kAcross = 0.5; // the sine of the angle between walls and the way from one to the other
 constexpr double kAtEnd = 1;    // inches: from the end of a wall
 
 class PathFinder {
@@ -38,7 +39,7 @@ public:
     void drop(std::vector<bool>& inside) {
         std::set<uint32_t> dropped;
         for (const auto& [id, part] : parts_)
-            if (isPath(part)) dropped.insert(id);
+            if (isPath(id, part)) dropped.insert(id);
         if (dropped.empty()) return;
         for (const auto& [id, part] : parts_) // and what lies between the two faces of the opening
             if (part.walls.empty() &&
@@ -72,8 +73,11 @@ private:
             parts_[cells_.root(own)].beyond.push_back(cells_.root(other));
     }
 
-    bool isPath(const Part& part) const {
-        if (part.beyond.empty()) return false;
+    bool isPath(uint32_t id, const Part& part) const {
+        return (!part.beyond.empty() && isBetweenTwo(part)) || isBeforeFreeWall(id, part);
+    }
+
+    bool isBetweenTwo(const Part& part) const {
         std::set<int> sides;
         glm::dvec2 along{0};
         for (const auto& [i, length] : part.walls) {
@@ -85,11 +89,32 @@ private:
             if (std::abs(cross(along, d)) > kParallelSine) return false;
             sides.insert(wall.line);
         }
-        return sides.size() == 2 && isOpenAtBothEnds(part, along);
+        return sides.size() == 2 && isOpenAtBothEnds(part, along, kLeast, true);
     }
 
-    // Whether two stretches of its border lead from wall to wall, not both from end to end.
-    bool isOpenAtBothEnds(const Part& part, glm::dvec2 along) const {
+    // Between one straight wall and walls of other rooms, however these are bent, a door's width from them at
+    // both ends.
+    bool isBeforeFreeWall(uint32_t id, const Part& part) const {
+        const WallPiece* own = nullptr;
+        for (const auto& [i, length] : part.walls) {
+            if (length < kLeast || isSeenElsewhere(id, i)) continue;
+            const WallPiece& wall = plan_.pieces[static_cast<size_t>(i)];
+            if (wall.curved || (own && own->line != wall.line)) return false;
+            own = &wall;
+        }
+        return own && isOpenAtBothEnds(part, glm::normalize(own->b - own->a), kDoor, !part.beyond.empty());
+    }
+
+    bool isSeenElsewhere(uint32_t id, int piece) const {
+        return std::ranges::any_of(parts_, [&](const auto& other) {
+            const auto wall = other.second.walls.find(piece);
+            return other.first != id && wall != other.second.walls.end() && wall->second >= kLeast;
+        });
+    }
+
+    // Whether two stretches of its border lead from wall to wall; where it may be a porch not both from end
+    // to end.
+    bool isOpenAtBothEnds(const Part& part, glm::dvec2 along, double least, bool mayBePorch) const {
         DisjointSets points(map_.points.size());
         for (const uint32_t h : part.open) points.join(map_.source(h), map_.target[h]);
         std::map<uint32_t, std::map<uint32_t, int>> borders; // stretch: point: edges that come, less those
@@ -107,12 +132,12 @@ private:
                 way += static_cast<double>(count) * point(i);
                 atEnds = atEnds && (count == 0 || isAtEnd(part, point(i)));
             }
-            if (glm::length(way) < kLeast || std::abs(cross(along, way)) < kAcross * glm::length(way))
+            if (glm::length(way) < least || std::abs(cross(along, way)) < kAcross * glm::length(way))
                 continue;
             ++across;
             fromEnds = fromEnds && atEnds;
         }
-        return across > 1 && !fromEnds;
+        return across > 1 && !(mayBePorch && fromEnds);
     }
 
     bool isAtEnd(const Part& part, glm::dvec2 p) const {
@@ -135,7 +160,6 @@ private:
 
 void dropPaths(const PlanWalls& plan, const PlanLines& lines, const PlanArrangement& map,
                const std::vector<bool>& solid, const std::vector<SeenWall>& seen, std::vector<bool>& inside) {
-    if (std::ranges::none_of(lines.lines, [](const PlanLine& line) { return line.alongSide >= 0; })) return;
     PathFinder(plan, lines, map, solid, seen, inside).drop(inside);
 }
 

@@ -1,5 +1,5 @@
 // Two straight walls enclose nothing, nor do they where a room opens to the air between them: the path along
-// a garden wall, the alley between two houses.
+// a garden wall, the alley between two houses. Nor does one before walls of other rooms.
 #pragma once
 
 #include <cstdint>
@@ -18,7 +18,8 @@ struct SeenWall {
 };
 
 // Takes the cells of such paths out of those inside: behind openings of straight sides, between walls side by
-// side that do not end together. Where they do at both ends, it is a corridor or a porch.
+// side that do not end together (where they do at both ends, it is a corridor or a porch), and between one
+// straight wall and those of other rooms, where both its ends are a door's width from these.
 void dropPaths(const PlanWalls& plan, const PlanLines& lines, const PlanArrangement& map,
                const std::vector<bool>& solid, const std::vector<SeenWall>& seen, std::vector<bool>& inside);
 
