@@ -295,6 +295,17 @@ private:
         return std::max(glm::dot(wall.a - from, way), glm::dot(wall.b - from, way));
     }
 
+    // Whether the next piece of a wall's straight side begins within a crack ahead.
+    bool goesOn(size_t wall, glm::dvec2 from, glm::dvec2 way) const {
+        for (size_t k = 0; k < plan_.pieces.size(); ++k) {
+            const WallPiece& next = plan_.pieces[k];
+            if (k == wall || next.line < 0 || next.line != plan_.pieces[wall].line) continue;
+            const double toA = glm::dot(next.a - from, way), toB = glm::dot(next.b - from, way);
+            if (std::min(toA, toB) < width_ && std::max(toA, toB) > kRunsBy) return true;
+        }
+        return false;
+    }
+
     void fillBetweenFaces(size_t i, size_t j) {
         if (std::ranges::find(niches_, std::pair(i, j), &Niche::walls) != niches_.end()) return;
         const std::optional<Slot> slot = slotBetween(plan_.pieces[i], plan_.pieces[j]);
@@ -306,8 +317,10 @@ private:
             const std::vector<double> across = wallsAcross(*slot, i, j);
             const glm::dvec2 out = glm::normalize(slot->middle[1] - slot->middle[0]);
             const auto isOpen = [&](glm::dvec2 mouth, glm::dvec2 way) {
-                return std::max(aheadOf(plan_.pieces[i], mouth, way), aheadOf(plan_.pieces[j], mouth, way)) >
-                           kRunsBy &&
+                const size_t ending =
+                    aheadOf(plan_.pieces[i], mouth, way) < aheadOf(plan_.pieces[j], mouth, way) ? i : j;
+                return aheadOf(plan_.pieces[i + j - ending], mouth, way) > kRunsBy &&
+                       !goesOn(ending, mouth, way) &&
                        firstHit(physical_, mouth, way, -2) > kBeforePocket * width_;
             };
             if (!across.empty() && isOpen(slot->middle[0], -out)) from = across.front();
