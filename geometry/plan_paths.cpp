@@ -1,6 +1,7 @@
 #include "geometry/plan_paths.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <set>
@@ -140,11 +141,22 @@ private:
         return across > 1 && !(mayBePorch && fromEnds);
     }
 
+    // Of a wall that ends there, and is not only interrupted by a hole.
     bool isAtEnd(const Part& part, glm::dvec2 p) const {
         return std::ranges::any_of(part.walls, [&](const auto& seen) {
             const WallPiece& wall = plan_.pieces[static_cast<size_t>(seen.first)];
-            return std::min(glm::length(wall.a - p), glm::length(wall.b - p)) < kAtEnd;
+            return std::ranges::any_of(std::array{false, true}, [&](bool atB) {
+                const WallEnd end = wallEnd(wall, seen.first, atB);
+                return glm::length(end.middle - p) < kAtEnd && !goesOn(end, wall.line);
+            });
         });
+    }
+
+    bool goesOn(const WallEnd& end, int line) const {
+        return line >= 0 && std::ranges::any_of(plan_.pieces, [&](const WallPiece& piece) {
+                   return piece.line == line && std::max(glm::dot(piece.a - end.middle, end.out),
+                                                         glm::dot(piece.b - end.middle, end.out)) > kLeast;
+               });
     }
 
     const PlanWalls& plan_;
