@@ -77,6 +77,10 @@ private:
     }
 
     double thickness(const WallEnd& e) const { return plan_.pieces[static_cast<size_t>(e.piece)].thickness; }
+    double length(const WallEnd& e) const {
+        const WallPiece& piece = plan_.pieces[static_cast<size_t>(e.piece)];
+        return piece.curved ? piece.radius * (piece.a1 - piece.a0) : glm::length(piece.b - piece.a);
+    }
     bool isCurved(const WallEnd& e) const { return plan_.pieces[static_cast<size_t>(e.piece)].curved; }
 
     void fillBetweenEnds(const WallEnd& e, const WallEnd& f) {
@@ -113,6 +117,7 @@ private:
         const double te = cross(between, f.out) / sine, tf = cross(between, e.out) / sine;
         const double behindE = -thickness(f) / std::abs(sine), behindF = -thickness(e) / std::abs(sine);
         if (te < behindE || tf < behindF || te > width_ || tf > width_) return;
+        if (te < -length(e) || tf < -length(f)) return; // beyond the wall's other end
         if ((te > kJustOut && endsInWall(e, f.piece)) || (tf > kJustOut && endsInWall(f, e.piece))) return;
         const glm::dvec2 crossing = e.middle + te * e.out;
         const glm::dvec2 u = e.out * (0.5 * thickness(f) / std::abs(sine));
@@ -127,7 +132,7 @@ private:
         addStub(f, crossing + v * std::copysign(1.0, sine) + u * std::copysign(1.0, sine),
                 crossing + v * std::copysign(1.0, sine) - u * std::copysign(1.0, sine), curved);
         if (clearance(e, f) <= kDoor * width_) return;
-        const glm::dvec2 middle = 0.5 * (e.middle + f.middle), beyond = glm::normalize(crossing - middle);
+        const glm::dvec2 middle = 0.5 * (e.middle + f.middle), beyond = glm::normalize(e.out + f.out);
         const double apex = std::min(glm::length(u - v), glm::length(u + v)),
                      half = std::max(thickness(e), thickness(f)) / 2;
         plan_.wideCorners.push_back(
