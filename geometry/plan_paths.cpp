@@ -46,6 +46,10 @@ public:
             if (part.walls.empty() &&
                 std::ranges::any_of(part.beyond, [&](uint32_t other) { return dropped.contains(other); }))
                 dropped.insert(id);
+        std::set<uint32_t> plazas; // between wings, with no wall of their own
+        for (const auto& [id, part] : parts_)
+            if (!dropped.contains(id) && isPlaza(id, part, dropped)) plazas.insert(id);
+        dropped.merge(plazas);
         for (uint32_t c = 0; c < map_.cellCount; ++c)
             if (inside[c] && dropped.contains(cells_.root(c))) inside[c] = false;
     }
@@ -106,10 +110,19 @@ private:
         return own && isOpenAtBothEnds(part, glm::normalize(own->b - own->a), kDoor, !part.beyond.empty());
     }
 
-    bool isSeenElsewhere(uint32_t id, int piece) const {
+    bool isPlaza(uint32_t id, const Part& part, const std::set<uint32_t>& dropped) const {
+        return !part.beyond.empty() &&
+               std::ranges::all_of(part.beyond, [&](uint32_t other) { return dropped.contains(other); }) &&
+               std::ranges::all_of(part.walls, [&](const auto& wall) {
+                   return wall.second < kLeast || isSeenElsewhere(id, wall.first, dropped);
+               });
+    }
+
+    bool isSeenElsewhere(uint32_t id, int piece, const std::set<uint32_t>& but = {}) const {
         return std::ranges::any_of(parts_, [&](const auto& other) {
             const auto wall = other.second.walls.find(piece);
-            return other.first != id && wall != other.second.walls.end() && wall->second >= kLeast;
+            return other.first != id && !but.contains(other.first) && wall != other.second.walls.end() &&
+                   wall->second >= kLeast;
         });
     }
 
@@ -131,7 +144,7 @@ private:
             bool atEnds = true;
             for (const auto& [i, count] : border) {
                 way += static_cast<double>(count) * point(i);
-                atEnds = atEnds && (count == 0 || isAtEnd(part, point(i)));
+                atEnds = atEnds && (count == 0 || isAtEnd(part, point(i), along));
             }
             if (glm::length(way) < least || std::abs(cross(along, way)) < kAcross * glm::length(way))
                 continue;
@@ -141,13 +154,14 @@ private:
         return across > 1 && !(mayBePorch && fromEnds);
     }
 
-    // Of a wall that ends there, and is not only interrupted by a hole.
-    bool isAtEnd(const Part& part, glm::dvec2 p) const {
+    // Of a wall along the path that ends there, and is not only interrupted by a hole.
+    bool isAtEnd(const Part& part, glm::dvec2 p, glm::dvec2 along) const {
         return std::ranges::any_of(part.walls, [&](const auto& seen) {
             const WallPiece& wall = plan_.pieces[static_cast<size_t>(seen.first)];
             return std::ranges::any_of(std::array{false, true}, [&](bool atB) {
                 const WallEnd end = wallEnd(wall, seen.first, atB);
-                return glm::length(end.middle - p) < kAtEnd && !goesOn(end, wall.line);
+                return glm::length(end.middle - p) < kAtEnd &&
+                       std::abs(cross(along, end.out)) <= kParallelSine && !goesOn(end, wall.line);
             });
         });
     }
