@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <map>
+#include <set>
 
 #include <glm/geometric.hpp>
 
@@ -60,6 +61,15 @@ std::vector<bool> withLobbies(const PlanWalls& plan, const PlanLines& lines, con
                      return space.seen[hole.first] >= kBesideHole * hole.second;
                  });
     }
+    // A door between a lobby and a room, taken for a hole in the facade until now, is open.
+    std::set<uint32_t> toRoom, toLobby;
+    for (uint32_t h = 0; h < map.cell.size(); ++h) {
+        const uint32_t own = map.cell[h], other = map.cell[h ^ 1u];
+        if (!isAir(own) || out[own] || !spaces[cells.root(own)].seen.empty()) continue;
+        if (out[other]) (inside[other] ? toRoom : toLobby).insert(cells.root(own));
+    }
+    for (uint32_t c = 0; c < map.cellCount; ++c)
+        if (isAir(c) && toRoom.contains(cells.root(c)) && toLobby.contains(cells.root(c))) out[c] = true;
     return out;
 }
 

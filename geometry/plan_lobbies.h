@@ -13,7 +13,8 @@
 namespace heliodon::geometry {
 
 // The cells inside and those of spaces that open to the outside by holes of straight sides alone and see
-// enough of the walls beside each: none of a recess between wings, as wide as they are apart.
+// enough of the walls beside each: none of a recess between wings, as wide as they are apart. With the doors
+// from these to rooms.
 std::vector<bool> withLobbies(const PlanWalls& plan, const PlanLines& lines, const PlanArrangement& map,
                               const std::vector<bool>& solid, const std::vector<SeenWall>& seen,
                               const std::vector<bool>& inside);
