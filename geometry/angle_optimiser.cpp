@@ -100,6 +100,7 @@ private:
         const bool crowded = mendables > most;
         std::optional<Stars> stars;
         for (uint32_t t = 0; t < net_.corner.size() && tries < most; ++t) {
+            if (crowded && added == mostAdded) break; // nothing is left to try
             if (!mendable(net_, t, edge_)) continue;
             ++tries;
             if (!stars) stars.emplace(net_);

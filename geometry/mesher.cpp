@@ -107,7 +107,7 @@ public:
             grading_ = grading;
             grading_.sparing = sparing;
             grading_.narrowest = narrowest_;
-            edge_ = added_ = lastEdge_ = lastCount_ = draftedEdge_ = 0;
+            edge_ = added_ = lastEdge_ = lastCount_ = draftedEdge_ = earlierEdge_ = 0;
             addedKnown_ = false;
             counts_.clear();
             double aim = wanted_; // half of the additions are expected
@@ -174,8 +174,12 @@ private:
 
     void draftFor(double edge) {
         if (draftedEdge_ == edge) return;
-        draftedEdge_ = edge;
+        // Often that of the time before: what was looked at since is no better.
+        std::swap(drafts_, earlierDrafts_);
+        std::swap(draftedEdge_, earlierEdge_);
         sampler_.choose(edge, grading_);
+        if (draftedEdge_ == edge) return;
+        draftedEdge_ = edge;
         drafts_.clear();
         for (size_t d = 0; d < domains_.size(); ++d) drafts_.push_back(draftOf(d, 1));
     }
@@ -556,6 +560,8 @@ private:
     std::vector<double> areas_;      // per domain
     std::vector<Draft> drafts_;      // per domain, for the edge and lattices chosen
     double draftedEdge_ = 0;         // of all drafts, with the grading; the sampler's too
+    std::vector<Draft> earlierDrafts_;
+    double earlierEdge_ = 0; // of these
     std::map<double, Count> counts_; // by edge, of those looked at with this grading
     double lastEdge_ = 0, lastCount_ = 0;
     Grading grading_;

@@ -25,7 +25,10 @@ PlanarMesh SecondTries::best(PlanarMesh first, const PlanarDomain& domain, size_
         if (small.triangles > kFew && !small.crowded) break;
         std::optional<PlanarNet> net = draftMesh(again, latticeSeeds(again, lattice * again.size.edge()));
         if (!net) continue;
-        most_ -= static_cast<double>(net->corner.size());
+        const auto drafted = static_cast<double>(net->corner.size());
+        most_ -= drafted;
+        // Each point that optimisation adds makes two triangles.
+        if (drafted > range.most || drafted + 2 * static_cast<double>(mostAdded) < range.least) continue;
         PlanarMesh mesh = improvedMesh(std::move(*net), again, mostAdded);
         const auto count = static_cast<double>(mesh.triangles.size());
         if (count < range.least || count > range.most || mesh.small.worst > small.worst - kWorthWhile)
