@@ -28,6 +28,7 @@ bool before(glm::dvec2 a, glm::dvec2 b) {
 }
 
 int orientation(glm::dvec2 a, glm::dvec2 b, glm::dvec2 c) {
+    if (c == a || c == b) return 0; // no filter can tell
     return CGAL::orientation(Kernel::Point_2(a.x, a.y), Kernel::Point_2(b.x, b.y), Kernel::Point_2(c.x, c.y));
 }
 

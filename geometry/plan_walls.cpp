@@ -406,6 +406,7 @@ bool touches(const std::vector<PlanSolid>& solids, const WallEnd& end) {
 
 double firstHit(std::span<const PlanSolid> solids, glm::dvec2 origin, glm::dvec2 direction, int except,
                 int* hit) {
+    constexpr double kBeside = 1e-8; // of an edge: more than its ends may be missed by, and rounding
     double nearest = std::numeric_limits<double>::infinity();
     for (size_t s = 0; s < solids.size(); ++s) {
         const PlanSolid& solid = solids[s];
@@ -414,7 +415,10 @@ double firstHit(std::span<const PlanSolid> solids, glm::dvec2 origin, glm::dvec2
             const glm::dvec2 a = solid.outline[k], b = solid.outline[(k + 1) % solid.outline.size()];
             const double turn = cross(direction, b - a);
             if (std::abs(turn) < 1e-12) continue;
-            const double t = cross(a - origin, b - a) / turn, u = cross(a - origin, direction) / turn;
+            // Most edges are passed well beside them, which is told without dividing.
+            const double side = cross(a - origin, direction), square = turn * turn;
+            if (side * turn < -kBeside * square || side * turn > (1 + kBeside) * square) continue;
+            const double t = cross(a - origin, b - a) / turn, u = side / turn;
             if (t < 1e-9 || u < -1e-9 || u > 1 + 1e-9 || t >= nearest) continue;
             nearest = t;
             if (hit) *hit = static_cast<int>(s);
