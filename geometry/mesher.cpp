@@ -92,7 +92,14 @@ public:
           sampler_(building, domains_, slotSizes(building, domains_, regular_, wanted_),
                    options.ofModel ? boardRows(building, domains_, regular_, wanted_)
                                    : std::vector<uint32_t>(domains_.size(), 0)) {
-        for (const MeshDomain& domain : domains_) areas_.push_back(domainArea(domain));
+        std::map<std::vector<double>, size_t> known;
+        for (const MeshDomain& domain : domains_) {
+            std::vector<double> key; // what has the same may still be divided otherwise
+            for (const auto& loop : domain.planar)
+                for (const glm::dvec2 p : loop) key.insert(key.end(), {p.x, p.y});
+            equal_.push_back(known.try_emplace(std::move(key), equal_.size()).first->second);
+            areas_.push_back(domainArea(domain));
+        }
     }
 
     // Optimisation adds no more points than the count has room for, so that it is known before.
@@ -140,6 +147,7 @@ private:
     // What a domain will be meshed from.
     struct Draft {
         PlanarDomain plane;
+        double lattice = 1; // times the edge length there
         LatticeSeeds seeds;
         std::optional<PlanarNet> net;            // of the seeds, where it was asked for already
         double count = 0;                        // of triangles, without those that refinement adds
@@ -156,16 +164,24 @@ private:
 
     double off(double count) const { return std::abs(count - wanted_); }
 
-    // `lattice`: times the edge length there.
+    // Of an equal domain, as walls of equal rooms are, whose draft is the same; null where it has none.
+    const Draft* equalDraft(size_t d, const Draft& draft) const {
+        if (equal_[d] >= std::min(d, drafts_.size())) return nullptr;
+        const Draft& other = drafts_[equal_[d]];
+        const bool same = !other.grid && other.lattice == draft.lattice && other.plane == draft.plane;
+        return same ? &other : nullptr;
+    }
+
     Draft draftOf(size_t d, double lattice) const {
         beforePart_();
-        Draft draft{sampler_.planar(d), {}, {}};
+        Draft draft{sampler_.planar(d), lattice, {}, {}};
         draft.grid = sampler_.grid(d);
         if (draft.grid) {
             draft.count = static_cast<double>(draft.grid->columns) * draft.grid->rows;
             return draft;
         }
-        draft.seeds = latticeSeeds(draft.plane, lattice * draft.plane.size.edge());
+        const Draft* equal = equalDraft(d, draft);
+        draft.seeds = equal ? equal->seeds : latticeSeeds(draft.plane, lattice * draft.plane.size.edge());
         draft.count = 2 * static_cast<double>(draft.seeds.points.size()) +
                       static_cast<double>(draft.plane.boundary.size()) - 2 +
                       2 * (static_cast<double>(domains_[d].loops.size()) - 1);
@@ -207,6 +223,8 @@ private:
     void triangulate(size_t d) {
         Draft& draft = drafts_[d];
         if (draft.net || draft.grid) return;
+        if (const Draft* equal = equalDraft(d, draft)) draft.net = equal->net;
+        if (draft.net) return;
         beforePart_();
         draft.net = draftMesh(draft.plane, draft.seeds);
         if (!draft.net)
@@ -557,11 +575,12 @@ private:
     size_t additions_ = 0;        // points that optimisation may still add
     double count_ = 0;            // of triangles, as far as known when a domain is meshed
     SecondTries secondTries_{0};
-    std::vector<double> areas_;      // per domain
-    std::vector<Draft> drafts_;      // per domain, for the edge and lattices chosen
-    double draftedEdge_ = 0;         // of all drafts, with the grading; the sampler's too
+    std::vector<double> areas_; // per domain
+    std::vector<size_t> equal_; // per domain: the first one with the same outlines
+    std::vector<Draft> drafts_; // per domain, for the edge and lattices chosen
+    double draftedEdge_ = 0;    // of all drafts, with the grading; the sampler's too
     std::vector<Draft> earlierDrafts_;
-    double earlierEdge_ = 0; // of these
+    double earlierEdge_ = 0;         // of these
     std::map<double, Count> counts_; // by edge, of those looked at with this grading
     double lastEdge_ = 0, lastCount_ = 0;
     Grading grading_;

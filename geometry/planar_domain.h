@@ -24,6 +24,7 @@ struct PlanarDomain {
     std::vector<double> folds;
     bool mayLean = false;
 
+    bool operator==(const PlanarDomain&) const = default;
     size_t loopCount() const { return loopStart.size() - 1; }
     uint32_t next(size_t loop, uint32_t i) const {
         return i + 1 < loopStart[loop + 1] ? i + 1 : loopStart[loop];

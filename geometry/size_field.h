@@ -12,6 +12,7 @@ namespace heliodon::geometry {
 struct SizeSource {
     glm::dvec2 at{};
     double size = 0;
+    bool operator==(const SizeSource&) const = default;
 };
 
 // At p: min(edge, min over the sources of size + growth |p - at|).
@@ -19,6 +20,7 @@ class SizeField {
 public:
     SizeField() = default;
     SizeField(std::vector<SizeSource> sources, double edge, double growth);
+    bool operator==(const SizeField&) const = default;
 
     double edge() const { return edge_; }
     bool uniform() const { return sources_.empty(); }

@@ -96,9 +96,9 @@ TEST(MesherEffort, a_count_that_is_nearly_reached_is_settled_without_a_new_searc
 
 // Many doors: with sizes that grow slowly beside them edges would be too long, which is known after some of
 // the parts; 1029 were triangulated or drafted before. And the edge that is chosen is not drafted again once
-// another one was looked at: 915.
+// another one was looked at: 915. Nor are equal walls triangulated twice: 832.
 TEST(MesherEffort, sizes_that_do_not_fit_are_given_up_early) {
-    EXPECT_LE(workFor("walls20.json", 2000).parts, 850u);
+    EXPECT_LE(workFor("walls20.json", 2000).parts, 820u);
 }
 
 // Points of one side of a strip half a step off those of the other, but for those right at its end, where
