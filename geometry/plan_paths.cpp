@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <compare>
 #include <map>
 #include <set>
 
@@ -16,10 +17,11 @@ namespace heliodon::geometry {
 
 namespace {
 
-constexpr double kLeast = 0.5;  // inches: less of a wall, or of an opening, is none
-constexpr double kDoor = 2;     // inches: as wide as doors are drawn
-constexpr double kAcross = 0.5; // the sine of the angle between walls and the way from one to the other
-constexpr double kAtEnd = 1;    // inches: from the end of a wall
+constexpr double kLeast = 0.5;      // inches: less of a wall, or of an opening, is none
+constexpr double kDoor = 2;         // inches: as wide as doors are drawn
+constexpr double kAcross = 0.5;     // the sine of the angle between walls and the way from one to the other
+constexpr double kAtEnd = 1;        // inches: from the end of a wall
+constexpr double kSamePoint = 1e-6; // inches: nearer points are one, but for rounding
 
 class PathFinder {
 public:
@@ -33,7 +35,7 @@ public:
         for (uint32_t h = 0; h < map.cell.size(); ++h) addOpening(h);
         for (const SeenWall& wall : seen)
             if (inside[map.cell[wall.half]])
-                parts_[cells_.root(map.cell[wall.half])].walls[wall.piece] +=
+                parts_[cells_.root(map.cell[wall.half])].walls[faceOf(wall)] +=
                     glm::length(point(map.target[wall.half]) - point(map.source(wall.half)));
     }
 
@@ -55,13 +57,27 @@ public:
     }
 
 private:
+    struct Face { // one of the two long ones of a wall
+        int piece = 0;
+        bool left = false; // as the wall runs from a to b
+        auto operator<=>(const Face&) const = default;
+    };
+
     struct Part {                     // of a room, up to the openings of straight sides
-        std::map<int, double> walls;  // piece: length that it sees of it
+        std::map<Face, double> walls; // length that it sees of them
         std::vector<uint32_t> open;   // half-edges to the outside, but openings of straight sides
         std::vector<uint32_t> beyond; // parts
     };
 
     glm::dvec2 point(uint32_t i) const { return map_.points[i]; }
+
+    const WallPiece& wallOf(Face face) const { return plan_.pieces[static_cast<size_t>(face.piece)]; }
+
+    Face faceOf(const SeenWall& seen) const {
+        const WallPiece& wall = plan_.pieces[static_cast<size_t>(seen.piece)];
+        const glm::dvec2 from = point(map_.source(seen.half)), way = point(map_.target[seen.half]) - from;
+        return {seen.piece, glm::dot(way, wall.curved ? leftOf(from - wall.center) : wall.b - wall.a) > 0};
+    }
 
     bool isInSide(uint32_t half) const {
         return std::ranges::any_of(map_.tags[half / 2], [&](const PlanArrangement::Tag& tag) {
@@ -72,6 +88,7 @@ private:
     void addOpening(uint32_t half) {
         const uint32_t own = map_.cell[half], other = map_.cell[half ^ 1u];
         if (!inside_[own] || solid_[other]) return;
+        if (isInSide(half)) besideHoles_.insert({map_.source(half), map_.target[half]});
         if (!inside_[other]) {
             if (!isInSide(half)) parts_[cells_.root(own)].open.push_back(half);
         } else if (cells_.root(own) != cells_.root(other))
@@ -85,8 +102,8 @@ private:
     bool isBetweenTwo(const Part& part) const {
         std::set<int> sides;
         glm::dvec2 along{0};
-        for (const auto& [i, length] : part.walls) {
-            const WallPiece& wall = plan_.pieces[static_cast<size_t>(i)];
+        for (const auto& [face, length] : part.walls) {
+            const WallPiece& wall = wallOf(face);
             if (length < kLeast) continue;
             if (wall.curved) return false;
             const glm::dvec2 d = glm::normalize(wall.b - wall.a);
@@ -101,9 +118,9 @@ private:
     // both ends.
     bool isBeforeFreeWall(uint32_t id, const Part& part) const {
         const WallPiece* own = nullptr;
-        for (const auto& [i, length] : part.walls) {
-            if (length < kLeast || isSeenElsewhere(id, i)) continue;
-            const WallPiece& wall = plan_.pieces[static_cast<size_t>(i)];
+        for (const auto& [face, length] : part.walls) {
+            if (length < kLeast || isSeenFromBehind(id, face)) continue;
+            const WallPiece& wall = wallOf(face);
             if (wall.curved || (own && own->line != wall.line)) return false;
             own = &wall;
         }
@@ -114,13 +131,14 @@ private:
         return !part.beyond.empty() &&
                std::ranges::all_of(part.beyond, [&](uint32_t other) { return dropped.contains(other); }) &&
                std::ranges::all_of(part.walls, [&](const auto& wall) {
-                   return wall.second < kLeast || isSeenElsewhere(id, wall.first, dropped);
+                   return wall.second < kLeast || isSeenFromBehind(id, wall.first, dropped);
                });
     }
 
-    bool isSeenElsewhere(uint32_t id, int piece, const std::set<uint32_t>& but = {}) const {
+    // By another part: the wall is one of that, however far it runs on as one of this.
+    bool isSeenFromBehind(uint32_t id, Face face, const std::set<uint32_t>& but = {}) const {
         return std::ranges::any_of(parts_, [&](const auto& other) {
-            const auto wall = other.second.walls.find(piece);
+            const auto wall = other.second.walls.find({face.piece, !face.left});
             return other.first != id && !but.contains(other.first) && wall != other.second.walls.end() &&
                    wall->second >= kLeast;
         });
@@ -157,20 +175,18 @@ private:
     // Of a wall along the path that ends there, and is not only interrupted by a hole.
     bool isAtEnd(const Part& part, glm::dvec2 p, glm::dvec2 along) const {
         return std::ranges::any_of(part.walls, [&](const auto& seen) {
-            const WallPiece& wall = plan_.pieces[static_cast<size_t>(seen.first)];
             return std::ranges::any_of(std::array{false, true}, [&](bool atB) {
-                const WallEnd end = wallEnd(wall, seen.first, atB);
+                const WallEnd end = wallEnd(wallOf(seen.first), seen.first.piece, atB);
                 return glm::length(end.middle - p) < kAtEnd &&
-                       std::abs(cross(along, end.out)) <= kParallelSine && !goesOn(end, wall.line);
+                       std::abs(cross(along, end.out)) <= kParallelSine && !isBesideHole(end);
             });
         });
     }
 
-    bool goesOn(const WallEnd& end, int line) const {
-        return line >= 0 && std::ranges::any_of(plan_.pieces, [&](const WallPiece& piece) {
-                   return piece.line == line && std::max(glm::dot(piece.a - end.middle, end.out),
-                                                         glm::dot(piece.b - end.middle, end.out)) > kLeast;
-               });
+    bool isBesideHole(const WallEnd& end) const {
+        return std::ranges::any_of(besideHoles_, [&](uint32_t i) {
+            return std::min(glm::length(point(i) - end.right), glm::length(point(i) - end.left)) < kSamePoint;
+        });
     }
 
     const PlanWalls& plan_;
@@ -180,6 +196,7 @@ private:
     const std::vector<bool>& inside_;
     DisjointSets cells_;
     std::map<uint32_t, Part> parts_;
+    std::set<uint32_t> besideHoles_; // ends of openings of straight sides into rooms
 };
 
 } // namespace
