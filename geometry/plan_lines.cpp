@@ -32,6 +32,8 @@ constexpr double kOffCircle = 0.5;   // inches, and
 constexpr double kOffRadius = 0.15;  // of the radius: by which arcs of one circle may miss one another
 constexpr double kWidestTurn = 0.75 * kPi; // between them
 constexpr double kParallel = 0.1;          // the sine of the angle between walls that meet in no corner
+constexpr double kFacing = 0.97;           // the cosine of 14 degrees, and
+constexpr double kOffFacade = 0.75;        // inches: by which pieces of a facade may miss one another
 
 class LineBuilder {
 public:
@@ -170,6 +172,17 @@ private:
     // Of a line so long that starts at 1 an inch.
     static double price(double way) { return way * (1 + kGrowth * way / 2); }
 
+    // Another piece of a facade begins ahead, though out of line.
+    bool facesEnd(const WallEnd& end) const {
+        const auto isAhead = [&](const WallEnd& other) {
+            const glm::dvec2 way = other.middle - end.middle;
+            const double along = glm::dot(way, end.out);
+            return along > 0 && along < kWidestMouth && std::abs(cross(end.out, way)) < kOffFacade &&
+                   glm::dot(other.out, end.out) < -kFacing;
+        };
+        return std::ranges::any_of(freeEnds_, isAhead) || std::ranges::any_of(joinedEnds_, isAhead);
+    }
+
     struct OpenCorner {
         double price = 0,
                sideways = 0; // of lengthening both walls, and what an inch square to them is to cost
@@ -194,9 +207,10 @@ private:
         return {both, kShortCut * both / (halfTangent * (alongE + alongF))};
     }
 
-    void ray(glm::dvec2 from, glm::dvec2 direction, int own, double weight, double growth = kGrowth) {
+    void ray(glm::dvec2 from, glm::dvec2 direction, int own, PlanLine line) {
         const double t = std::min(firstHit(plan_.solids, from, direction, own) + kOverlap, kLongestBridge);
-        if (t > 0.025) add(from, from + t * direction, {.weight = weight, .growth = growth, .start = from});
+        line.start = from;
+        if (t > 0.025) add(from, from + t * direction, line);
     }
 
     void extend(const WallEnd& end) {
@@ -210,8 +224,13 @@ private:
                            ? price(std::max(right, left) + kOverlap) / price(way + kOverlap)
                            : 1;
             };
-            ray(end.right, end.out, end.piece, weight(right), weight(right) * kGrowth);
-            ray(end.left, end.out, end.piece, weight(left), weight(left) * kGrowth);
+            const auto onwards = [&](double way) {
+                return PlanLine{.weight = weight(way),
+                                .growth = weight(way) * kGrowth,
+                                .lengthens = facesEnd(end) ? piece(end).line : -1};
+            };
+            ray(end.right, end.out, end.piece, onwards(right));
+            ray(end.left, end.out, end.piece, onwards(left));
             if (std::min(right, left) < kLongestBridge)
                 out_.ahead.push_back({end.right, end.left, end.out, std::min(right, left) + kSlanted});
         }
@@ -219,8 +238,8 @@ private:
         double sideways = 1.5;
         for (const WallEnd& other : freeEnds_)
             if (other.piece != end.piece) sideways = std::max(sideways, openCorner(end, other).sideways);
-        ray(end.right, -side, end.piece, sideways);
-        ray(end.left, side, end.piece, sideways);
+        ray(end.right, -side, end.piece, {.weight = sideways, .growth = kGrowth});
+        ray(end.left, side, end.piece, {.weight = sideways, .growth = kGrowth});
     }
 
     // Another wall ends there too, and turns off.

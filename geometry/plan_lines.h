@@ -18,6 +18,7 @@ struct PlanLine {
     double growth = 0;        // and how that grows along it
     glm::dvec2 start{};
     int alongSide = -1; // the straight side from piece to piece of which it leads
+    int lengthens = -1; // the straight side of the wall that it lengthens to another piece, maybe out of line
 };
 
 // What a wall would cover if it were lengthened from a free end to what stands before that.

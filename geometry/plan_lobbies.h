@@ -12,11 +12,15 @@
 
 namespace heliodon::geometry {
 
-// The cells inside and those of spaces that open to the outside by holes of straight sides alone and see
-// enough of the walls beside each: none of a recess between wings, as wide as they are apart. With the doors
-// from these to rooms.
+// Where holes are: between pieces of one straight side; between a free end and another one that faces it,
+// too, as in a facade of pieces that are out of line or end at walls square to it.
+enum class LobbyHoles { betweenPieces, beforeEnds };
+
+// The cells inside and those of spaces that open to the outside by holes alone and see enough of the walls
+// beside each, as the outside does: none of a recess between wings, as wide as they are apart, nor of a court
+// at the end of a passage. With the doors from these to rooms.
 std::vector<bool> withLobbies(const PlanWalls& plan, const PlanLines& lines, const PlanArrangement& map,
                               const std::vector<bool>& solid, const std::vector<SeenWall>& seen,
-                              const std::vector<bool>& inside);
+                              const std::vector<bool>& inside, LobbyHoles holes);
 
 } // namespace heliodon::geometry

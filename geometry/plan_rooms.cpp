@@ -91,7 +91,8 @@ public:
         ringsOnly_ = false;
         dropPaths(plan_, lines_, map_, solid_, seenWalls(), inside_);
         accept(sealed());
-        accept(withLobbies(plan_, lines_, map_, solid_, seenWalls(), inside_));
+        for (const LobbyHoles holes : {LobbyHoles::betweenPieces, LobbyHoles::beforeEnds})
+            accept(withLobbies(plan_, lines_, map_, solid_, seenWalls(), inside_, holes));
         return trace();
     }
 
