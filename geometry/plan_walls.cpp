@@ -8,6 +8,7 @@
 #include <tuple>
 
 #include <fmt/format.h>
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
 #include "geometry/perpendicular.h"
@@ -23,6 +24,7 @@ constexpr double kPi = std::numbers::pi;
 constexpr double kSameLineOffset = 0.25 + 1e-6;       // inches: nearer pieces lie on one straight side
 const double kSameLineSine = std::sin(4 * kPi / 180); // and do not turn by more than this
 constexpr double kSameLineGap = 12;                   // inches along the side
+constexpr double kAside = 1;                          // inches: how far a wall goes past what it parts
 constexpr double kPilaster = 0.5;     // of a wall's length: a shorter piece within it that stands out
 constexpr double kStandsOut = 0.18;   // by so many inches on one side,
 constexpr double kFlush = 0.05;       // and no more than so many on the other one, is no copy of it
@@ -174,9 +176,21 @@ private:
         for (const size_t m : members) {
             const Stretch other = along(pieces_[m]);
             if (isPilaster(candidate, own, pieces_[m], other)) return false;
-            near = near || (own.from < other.to + kSameLineGap && other.from < own.to + kSameLineGap);
+            const double from = std::min(own.to, other.to), to = std::max(own.from, other.from);
+            near = near || (to < from + kSameLineGap && !isParted(seed.a + from * d, d, to - from));
         }
         return near;
+    }
+
+    // A gap from there, by a wall that runs on to both sides, a step from either end: what is beyond is
+    // another building's.
+    bool isParted(glm::dvec2 from, glm::dvec2 d, double gap) const {
+        return gap > 2 * kAside && std::ranges::any_of(pieces_, [&](const WallPiece& wall) {
+                   const double offA = cross(d, wall.a - from), offB = cross(d, wall.b - from);
+                   const double at = glm::dot(glm::mix(wall.a, wall.b, offA / (offA - offB)) - from, d);
+                   return offA * offB < 0 && std::min(std::abs(offA), std::abs(offB)) > kAside &&
+                          at > kAside && at < gap - kAside;
+               });
     }
 
     // Flat on the wall's face: within its length, much shorter, and standing out by more than a hand errs, on
