@@ -77,10 +77,7 @@ private:
     }
 
     double thickness(const WallEnd& e) const { return plan_.pieces[static_cast<size_t>(e.piece)].thickness; }
-    double length(const WallEnd& e) const {
-        const WallPiece& piece = plan_.pieces[static_cast<size_t>(e.piece)];
-        return piece.curved ? piece.radius * (piece.a1 - piece.a0) : glm::length(piece.b - piece.a);
-    }
+    double length(const WallEnd& e) const { return lengthOf(plan_.pieces[static_cast<size_t>(e.piece)]); }
     bool isCurved(const WallEnd& e) const { return plan_.pieces[static_cast<size_t>(e.piece)].curved; }
 
     void fillBetweenEnds(const WallEnd& e, const WallEnd& f) {

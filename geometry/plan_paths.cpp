@@ -21,7 +21,7 @@ constexpr double kLeast = 0.5;      // inches: less of a wall, or of an opening,
 constexpr double kDoor = 2;         // inches: as wide as doors are drawn
 constexpr double kAcross = 0.5;     // the sine of the angle between walls and the way from one to the other
 constexpr double kAtEnd = 1;        // inches: from the end of a wall
-constexpr double kSamePoint = 1e-6; // inches: nearer points are one, but for rounding
+constexpr double kSamePoint = 1e-6; // inches: nearer points are one but for rounding
 
 class PathFinder {
 public:
@@ -76,7 +76,7 @@ private:
     Face faceOf(const SeenWall& seen) const {
         const WallPiece& wall = plan_.pieces[static_cast<size_t>(seen.piece)];
         const glm::dvec2 from = point(map_.source(seen.half)), way = point(map_.target[seen.half]) - from;
-        return {seen.piece, glm::dot(way, wall.curved ? leftOf(from - wall.center) : wall.b - wall.a) > 0};
+        return {seen.piece, glm::dot(way, wayOf(wall, from)) > 0};
     }
 
     bool isInSide(uint32_t half) const {

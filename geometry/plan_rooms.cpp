@@ -203,10 +203,6 @@ private:
         return {std::min(u, v), std::max(u, v)};
     }
 
-    static double lengthOf(const WallPiece& p) {
-        return p.curved ? p.radius * (p.a1 - p.a0) : glm::length(p.b - p.a);
-    }
-
     double unused(size_t piece) const { return used_[piece].unused({0, lengthOf(plan_.pieces[piece])}); }
 
     double unusedLength() const {

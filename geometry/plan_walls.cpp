@@ -96,8 +96,7 @@ std::vector<WallPiece> curvedPieces(const Sketch& sketch, bool green, PlanWalls&
 // Copies of an arc, or pieces of it that overlap, become one arc. Longest first, as with straight sides;
 // facets of a ring lie as they do round the middle of its longest piece.
 void mergeArcs(std::vector<WallPiece>& arcs) {
-    std::ranges::stable_sort(arcs, std::greater(),
-                             [](const WallPiece& p) { return p.radius * (p.a1 - p.a0); });
+    std::ranges::stable_sort(arcs, std::greater(), lengthOf);
     for (size_t i = 0; i < arcs.size(); ++i) {
         WallPiece& p = arcs[i];
         const double middle = (p.a0 + p.a1) / 2;
@@ -334,6 +333,14 @@ void chooseFacets(WallPiece& piece, const PlanWallsOptions& options) {
 }
 
 } // namespace
+
+double lengthOf(const WallPiece& piece) {
+    return piece.curved ? piece.radius * (piece.a1 - piece.a0) : glm::length(piece.b - piece.a);
+}
+
+glm::dvec2 wayOf(const WallPiece& piece, glm::dvec2 p) {
+    return piece.curved ? leftOf(p - piece.center) : piece.b - piece.a;
+}
 
 double cornerReach(double sweep, int count, bool full) {
     const double step = sweep / count, sine = std::sin(step);

@@ -30,6 +30,9 @@ struct WallPiece {
     int line = -1; // straight side that it belongs to, -1 for arcs
 };
 
+double lengthOf(const WallPiece& piece);                // along the centre line
+glm::dvec2 wayOf(const WallPiece& piece, glm::dvec2 p); // from a to b, where it passes p; of any length
+
 // A straight side: every piece on it has its ends on origin + s * direction.
 struct WallLine {
     glm::dvec2 origin{}, direction{};

@@ -139,12 +139,7 @@ private:
 
     bool meets(const PlanSolid& solid, glm::dvec2 p, glm::dvec2 out) const {
         const WallPiece& wall = plan_.pieces[static_cast<size_t>(solid.piece)];
-        const glm::dvec2 along = wall.curved ? leftOf(p - wall.center) : wall.b - wall.a;
-        return std::abs(glm::dot(glm::normalize(along), out)) > kParallelSine;
-    }
-
-    static double lengthOf(const WallPiece& piece) {
-        return piece.curved ? piece.radius * (piece.a1 - piece.a0) : glm::length(piece.b - piece.a);
+        return std::abs(glm::dot(glm::normalize(wayOf(wall, p)), out)) > kParallelSine;
     }
 
     static glm::dvec2 leftAt(const WallPiece& piece, double at) {
