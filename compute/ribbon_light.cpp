@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <tuple>
 #include <utility>
 
 #include <glm/geometric.hpp>
@@ -25,13 +26,19 @@ constexpr auto kGauss3 = daylight::gaussLegendre<3>();
 constexpr double kStep = 0.6;                   // radians of azimuth at first
 constexpr double kAgrees = 1e-3, kSmall = 2e-5; // of a step's light and of all so far: what may be off
 constexpr int kDeepest = 10;                    // halvings of a step
-// Heights that rows of the ribbon end at: its light reaches up to the last where b is small or below 0.
-constexpr std::array kRows{0.025, 0.08, daylight::kRibbonTop};
+// Heights between which rows of the ribbon lie: its light reaches up to the last where b is small or below 0.
+constexpr std::array kCuts{0.0, 0.025, 0.08, daylight::kRibbonTop};
 const double kTopSlope = daylight::kRibbonTop / std::sqrt(1 - daylight::kRibbonTop * daylight::kRibbonTop);
 // Of how far a patch's points lie apart, what four of them may be off, and of many, over their number; of the
 // last change, what may be left. Off by this share of its light and the usual one, it is told by more points.
 constexpr double kCurved = 0.1, kEdge = 0.5, kChangeLeft = 0.5, kOff = 0.01;
 constexpr double kTowardsMiddle = 0.02; // of corners, so that they lie on their patch
+
+// By more than rounding; so is a polygon whose corners are: what lies above is convex.
+bool isAboveRibbon(const dvec3& p) {
+    constexpr double kSurely = 1 + 1e-6;
+    return p.y > kSurely * kTopSlope * std::sqrt(p.x * p.x + p.z * p.z);
+}
 
 } // namespace
 
@@ -71,16 +78,19 @@ struct RibbonLight::Fan {
 };
 
 RibbonLight::RibbonLight(const PointScene& scene, const daylight::Sky& sky)
-    : scene_(&scene), sky_(&sky), ribbon_(sky.formula) {}
+    : scene_(&scene), sky_(&sky), ribbon_(sky.formula) {
+    static_assert(kCuts.size() == std::tuple_size_v<decltype(rows_)> + 1);
+    for (size_t k = 0; k < rows_.size(); ++k) rows_[k] = ribbon_.between(kCuts[k], kCuts[k + 1]);
+}
 
 dvec3 RibbonLight::ofPart(const PointView::Polygon& part, dvec3 normal,
                           const PointScene::GlassBefore& glass) const {
     const Fan fan(part);
     const auto height = [](double slope) { return slope / std::sqrt(1 + slope * slope); };
-    // At one azimuth, between two heights. What changes slowly with height is taken at the light's mean
-    // height.
-    const auto row = [&](dvec3 level, double low, double high) {
-        const auto [light, moment] = ribbon_.between(low, high);
+    // At one azimuth, of what lies between two heights. What changes slowly with height is taken at the
+    // light's mean height.
+    const auto row = [&](dvec3 level, const daylight::HorizonRibbon::Integral& between) {
+        const auto [light, moment] = between;
         if (light <= 0) return dvec3(0);
         const double z = moment / light;
         const dvec3 direction = std::sqrt(1 - z * z) * level + dvec3(0, z, 0);
@@ -96,9 +106,13 @@ dvec3 RibbonLight::ofPart(const PointView::Polygon& part, dvec3 normal,
         if (low >= high) return sum;
         const double top = height(high);
         double from = height(low);
-        for (const double cut : kRows)
-            if (const double to = std::min(cut, top); from < to)
-                sum += row(level, std::exchange(from, to), to);
+        for (size_t k = 0; k < rows_.size(); ++k) {
+            const double to = std::min(kCuts[k + 1], top);
+            if (from >= to) continue;
+            const bool whole = from == kCuts[k] && to == kCuts[k + 1]; // most, through tall windows
+            sum += row(level, whole ? rows_[k] : ribbon_.between(from, to));
+            from = to;
+        }
         return sum;
     };
     const auto rule = [&](double from, double to) {
@@ -138,6 +152,7 @@ dvec3 RibbonLight::at(dvec3 position, dvec3 normal, uint32_t room) const {
     PointView::Polygon above;
     scene_->forOutside(PointView(scene_->blockers(), position, normal, room), room,
                        [&](const PointView::Polygon& part, const PointScene::GlassBefore& glass) {
+                           if (std::ranges::all_of(part, isAboveRibbon)) return; // as skylights' are
                            geometry::clip<dvec3>(
                                part, [](const dvec3& p) { return p.y; }, above);
                            if (!above.empty()) sum += ofPart(above, normal, glass);

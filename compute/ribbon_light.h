@@ -4,6 +4,7 @@
 // ribbon's integral is known; between azimuths a Gauss rule is refined until it changes no more.
 #pragma once
 
+#include <array>
 #include <span>
 
 #include <glm/vec3.hpp>
@@ -43,6 +44,7 @@ private:
     const PointScene* scene_;
     const daylight::Sky* sky_;
     daylight::HorizonRibbon ribbon_;
+    std::array<daylight::HorizonRibbon::Integral, 3> rows_; // that its heights are summed in, each whole
 };
 
 } // namespace heliodon::compute
