@@ -57,7 +57,7 @@ public:
                 asDrawn = error;
             }
         }
-        if (made && made->use.without.empty()) return std::move(made->building);
+        if (made && made->use.without.empty() && !isBetweenPanes(*made)) return std::move(made->building);
         auto fitted = importPanes(Drawn::slabsAndFlat);
         if (fitted && (!made || fitted->use.panes > made->use.panes)) return saidOfGlass(std::move(*fitted));
         if (made && made->use.panes > 0) return saidOfGlass(std::move(*made));
@@ -72,6 +72,9 @@ public:
 
 private:
     Building saidOfGlass(WithGlass made) {
+        if (isBetweenPanes(made))
+            throw reading_.model.openAt(firstGlass(), "all that is closed lies between panes: the rooms "
+                                                      "before them are open, as by a gap round a frame");
         if (made.use.without.empty()) return std::move(made.building);
         if (areAllSmall(made.building, leastRoom(reading_.worldPerBuilding())))
             throw reading_.model.openAt(
@@ -82,6 +85,14 @@ private:
                             kLeastRoom));
         made.building.warnings.push_back(warningOf(made.use, reading_.place()));
         return std::move(made.building);
+    }
+
+    bool isBetweenPanes(const WithGlass& made) const {
+        return areAllBetweenPanes(made.building, leastRoom(reading_.worldPerBuilding()));
+    }
+
+    uint32_t firstGlass() const {
+        return std::ranges::find_if(faces_.soup, reading_.isGlass(), &SoupFace::material)->surface;
     }
 
     WithGlass withGlass(ModelRooms rooms) const {

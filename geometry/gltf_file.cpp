@@ -25,6 +25,7 @@
 
 #include "geometry/gltf_fields.h"
 #include "geometry/input_error.h"
+#include "geometry/last_decimal.h"
 #include "geometry/raw_model.h"
 #include "geometry/text_file.h"
 
@@ -411,6 +412,14 @@ private:
         return {xyz[0], xyz[1], xyz[2]};
     }
 
+    static double packedStep(const tinygltf::Accessor& accessor) {
+        if (!accessor.normalized) return 1;
+        const int type = accessor.componentType,
+                  bits = 8 * tinygltf::GetComponentSizeInBytes(static_cast<uint32_t>(type));
+        const bool isSigned = type == TINYGLTF_COMPONENT_TYPE_BYTE || type == TINYGLTF_COMPONENT_TYPE_SHORT;
+        return 1 / (std::ldexp(1.0, bits - isSigned) - 1);
+    }
+
     void addVertices(int index, const std::string& place, const glm::dmat4& worldFromNode) {
         if (index < 0 || static_cast<size_t>(index) >= in_.accessors.size()) fail(place, "does not exist");
         const tinygltf::Accessor& accessor = in_.accessors[static_cast<size_t>(index)];
@@ -421,12 +430,18 @@ private:
                                 in_.extensionsRequired.end();
         if ((type != TINYGLTF_COMPONENT_TYPE_FLOAT && !packed) || accessor.type != TINYGLTF_TYPE_VEC3)
             fail(place, "is not of three floats");
+        double largest = 0; // of the accessor's own coordinates
         forEachElement(index, place, [&](const unsigned char* bytes) {
-            const glm::dvec3 p(worldFromNode * glm::dvec4(positionAt(bytes, accessor), 1));
+            const glm::dvec3 own = positionAt(bytes, accessor);
+            const glm::dvec3 p(worldFromNode * glm::dvec4(own, 1));
+            for (int c = 0; c < 3; ++c) largest = std::max(largest, std::abs(own[c]));
             if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z))
                 fail(place, "holds a number that is not finite");
             out_.vertices.push_back(p);
         });
+        const double step = packed ? packedStep(accessor) : singleStep(largest);
+        for (int c = 0; c < 3; ++c)
+            out_.step = std::max(out_.step, step * glm::length(glm::dvec3(worldFromNode[c])));
     }
 
     // Per vertex; empty where the primitive has none that can be read: then it stays in facets.

@@ -63,10 +63,13 @@ public:
         faces_.turnedOver = turnAlike(faces_.soup, reading_.isGlass(), reading_.tolerance());
     }
 
-    // World metres: the last decimal of the coordinates, where the rooms are many times larger; 0: none.
+    // World metres: the last decimal or bit of the coordinates, where the rooms are many times larger; 0:
+    // none.
     double rounding() const {
-        const double step =
-            lastDecimal(reading_.model.vertices, reading_.tolerance() / kRoundingApart.back());
+        const double least = reading_.tolerance() / kRoundingApart.back();
+        double step = reading_.model.step > least ? reading_.model.step : 0;
+        for (const auto& of : {lastDecimal, lastBit})
+            step = std::max(step, of(reading_.model.vertices, least));
         return step < kMostRounding * reading_.extent ? step : 0;
     }
     const ModelReading& reading() const { return reading_; }

@@ -31,6 +31,7 @@ struct RawModel {
     std::string file;
     UpAxis up = UpAxis::y;            // of the file, where `vertices` were turned from that to y up
     std::vector<glm::dvec3> vertices; // finite, in the file's own axes
+    double step = 0;                  // to which a glTF's accessors round these, as far as is known
     // Face i has the corners corners[firstCorner[i] .. firstCorner[i + 1]), at least three, all valid
     // indices.
     std::vector<uint32_t> corners;

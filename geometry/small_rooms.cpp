@@ -51,4 +51,10 @@ bool areAllSmall(const Building& building, double least) {
                                [&](const RoomMeasures& room) { return room.volume < least; });
 }
 
+bool areAllBetweenPanes(const Building& building, double least) {
+    return std::ranges::all_of(measureVolumes(ownTriangles(building)), [&](const RoomMeasures& room) {
+        return room.volume < least && 2 * room.openings > room.surface;
+    });
+}
+
 } // namespace heliodon::geometry

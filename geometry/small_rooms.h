@@ -24,5 +24,7 @@ struct SmallRooms {
 SmallRooms leaveOutSmall(ModelRooms& rooms, double least);
 
 bool areAllSmall(const Building& building, double least);
+// As what is between the panes of double glazing, where the rooms before them are open.
+bool areAllBetweenPanes(const Building& building, double least);
 
 } // namespace heliodon::geometry

@@ -53,6 +53,20 @@ TEST(SmallRooms, a_showcase_beside_a_room_is_left_out_with_its_glass) {
     EXPECT_TRUE(warns(building, "1 face of glass"));
 }
 
+// The back wall is missing: what lies between the panes is no room instead.
+TEST(SmallRooms, a_house_of_which_only_double_glazing_is_closed_is_refused) {
+    for (const bool isOpen : {false, true}) {
+        Drawing drawing(false);
+        house(drawing, 0, isOpen);
+        const dvec3 o(1, 0.8, -0.12), x(2, 0, 0), y(0, 1.2, 0);
+        drawing.face("glass", {o, o + x, o + x + y, o + y});
+        if (isOpen)
+            EXPECT_THROW(drawing.read(), InputError);
+        else
+            EXPECT_EQ(drawing.read().roomCount, 2u);
+    }
+}
+
 TEST(SmallRooms, nothing_else_there_or_larger_ones_are_rooms) {
     Drawing alone(false);
     showcase(alone, {8, 0, 2}, 0.4);
@@ -102,8 +116,7 @@ TEST(SmallRooms, a_house_that_is_open_is_no_showcase) {
         const Building building = drawing.read();
         FAIL() << building.roomCount;
     } catch (const InputError& error) {
-        EXPECT_NE(std::string(error.what()).find("encloses no room"), std::string::npos)
-            << error.what();
+        EXPECT_NE(std::string(error.what()).find("encloses no room"), std::string::npos) << error.what();
     }
 }
 
