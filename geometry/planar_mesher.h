@@ -28,8 +28,8 @@ struct PlanarMesh {
 std::optional<PlanarNet> draftMesh(const PlanarDomain& domain, const LatticeSeeds& seeds);
 
 // Inner points move to the mean of the triangles round them, edges flip, and what still has a small angle is
-// optimised by itself, with at most `mostAdded` further points. Where angles allow, points then move once more
-// until areas are even.
+// optimised by itself, with at most `mostAdded` further points. Where angles allow, points then move once
+// more until areas are even.
 PlanarMesh improvedMesh(PlanarNet net, const PlanarDomain& domain, size_t mostAdded);
 
 } // namespace heliodon::geometry

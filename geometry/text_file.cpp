@@ -146,7 +146,8 @@ EndsWaiting::~EndsWaiting() {
 }
 
 void EndsWaiting::throwIfEnded(const std::filesystem::path& file, int error) {
-    if (error == EINTR) throw std::runtime_error(file.string() + ": interrupted, nobody writes into this pipe");
+    if (error == EINTR)
+        throw std::runtime_error(file.string() + ": interrupted, nobody writes into this pipe");
 }
 
 std::string readText(const std::filesystem::path& file, const std::string& expected, size_t largest) {

@@ -20,8 +20,8 @@ constexpr size_t kLargestText = size_t{64} << 20, kLargestModel = size_t{1} << 3
 std::string readText(const std::filesystem::path& file, const std::string& expected,
                      size_t largest = kLargestText);
 
-// While it lives, Ctrl-C ends a call that waits, as opening a pipe does that nobody writes into. In the thread
-// that signals go to.
+// While it lives, Ctrl-C ends a call that waits, as opening a pipe does that nobody writes into. In the
+// thread that signals go to.
 class EndsWaiting {
 public:
     EndsWaiting();
@@ -56,8 +56,7 @@ void refuseRepeatedFields(const std::filesystem::path& file, const std::string& 
 // As readText, and InputError with the line where it stops being JSON, or a field that is there twice. Json:
 // nlohmann::json or ordered_json.
 template<class Json = nlohmann::json>
-Json readJson(const std::filesystem::path& file, const std::string& expected,
-              size_t largest = kLargestText) {
+Json readJson(const std::filesystem::path& file, const std::string& expected, size_t largest = kLargestText) {
     const std::string text = readText(file, expected, largest);
     // In a pass of its own: told while it parses, nlohmann's parser takes time with the square of a list.
     refuseRepeatedFields(file, text);

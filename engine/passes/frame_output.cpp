@@ -41,8 +41,7 @@ FrameOutput::FrameOutput(gpu::Device& device, View v, const std::vector<uint32_t
 
 const DisplayTarget& FrameOutput::target(gpu::Device& device, DisplayTarget::Kind kind) {
     std::optional<DisplayTarget>& there = kind == DisplayTarget::Kind::float32 ? linear : display;
-    if (!there || there->kind != kind)
-        there.emplace(device, view.outputWidth, view.outputHeight, kind, name);
+    if (!there || there->kind != kind) there.emplace(device, view.outputWidth, view.outputHeight, kind, name);
     return *there;
 }
 

@@ -22,7 +22,7 @@ struct FrameOutput {
     FrameOutput(gpu::Device& device, View view, const std::vector<uint32_t>& drawn, const std::string& name);
 
     Triangles triangles() const { return {&corners, cornerCount}; }
-    // The target of that kind. One of floats is kept beside one of bytes, whose two kinds replace one another.
+    // The target of that kind; one of floats is kept beside the last one of bytes.
     const DisplayTarget& target(gpu::Device& device, DisplayTarget::Kind kind);
     // Of a picture that was read back; black outside View::shown.
     Image8 bytes() const;

@@ -131,7 +131,8 @@ TEST_F(BadInput, outputs_that_would_hurt_what_is_there) {
                       "/b.json",
                   {"xxx", "too long"});
     // The film's name has room, its table's has not.
-    expectRefused("timelapse " + kPhoto + " --rig " + kRig + " --view preview -o " + in(std::string(246, 'x') + ".mp4") +
+    expectRefused("timelapse " + kPhoto + " --rig " + kRig + " --view preview -o " +
+                      in(std::string(246, 'x') + ".mp4") +
                       " --from 2026-06-21T12:00solar --to 2026-06-21T12:00solar --step PT1H",
                   {"xxx.frames.csv", "too long"});
 }

@@ -1,6 +1,5 @@
 #include "geometry/sketch.h"
 
-#include <ctime>
 #include <filesystem>
 #include <fstream>
 #include <functional>
@@ -10,7 +9,6 @@
 
 #include "geometry/building.h"
 #include "geometry/input_error.h"
-#include "geometry/text_file.h"
 #include "tests/documented_file.h"
 
 using namespace heliodon::geometry;
@@ -52,20 +50,6 @@ void expectSameDetection(const Detection& a, const Detection& b) {
 }
 
 } // namespace
-
-// Of processor time: other programs may slow this one down.
-TEST_F(SketchFile, a_list_is_read_in_time_in_proportion_to_its_length) {
-    const auto seconds = [&](size_t count) {
-        std::string text = R"({"walls":[{})";
-        for (size_t i = 1; i < count; ++i) text += ",{}";
-        std::ofstream(file) << text + "]}";
-        const std::clock_t begin = std::clock();
-        EXPECT_EQ(readJson(file, "a list")["walls"].size(), count);
-        return double(std::clock() - begin) / CLOCKS_PER_SEC;
-    };
-    const double few = seconds(10000);
-    EXPECT_LT(seconds(80000), 25 * few); // with its square: 64
-}
 
 TEST_F(SketchFile, without_end_is_refused) {
     fs::create_symlink("/dev/zero", file);
