@@ -1,6 +1,9 @@
 #include "geometry/even_areas.h"
 
+#include <algorithm>
+#include <cmath>
 #include <numbers>
+#include <vector>
 
 namespace heliodon::geometry {
 

@@ -89,10 +89,11 @@ public:
         for (const double price : kRingPrices)
             if (unusedWalls() >= kFewestGaps) selectAll(price);
         ringsOnly_ = false;
-        dropPaths(plan_, lines_, map_, solid_, seenWalls(), inside_);
+        const std::vector<SeenWall> seen = seenWalls();
+        dropPaths(plan_, lines_, map_, solid_, seen, inside_);
         accept(sealed());
         for (const LobbyHoles holes : {LobbyHoles::betweenPieces, LobbyHoles::beforeEnds})
-            accept(withLobbies(plan_, lines_, map_, solid_, seenWalls(), inside_, holes));
+            accept(withLobbies(plan_, lines_, map_, solid_, seen, inside_, holes));
         return trace();
     }
 

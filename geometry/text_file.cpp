@@ -5,14 +5,17 @@
 #include <cctype>
 #include <cerrno>
 #include <cstdint>
-#include <fstream>
+#include <cstdio>
+#include <memory>
 #include <set>
 #include <stdexcept>
 #include <string_view>
 #include <system_error>
 #include <vector>
 
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <poll.h>
 #include <unistd.h>
 
 #include "geometry/input_error.h"
@@ -20,8 +23,6 @@
 namespace heliodon::geometry {
 
 namespace {
-
-constexpr std::array<int, 3> kEndingSignals{SIGINT, SIGTERM, SIGHUP};
 
 // Bytes of the character that starts here; 0 where it is no UTF-8.
 size_t characterLength(std::string_view text) {
@@ -132,42 +133,34 @@ void refuseUnreadable(const std::filesystem::path& file, const std::string& expe
     if (what) throw InputError(file.string(), "", std::string(what) + ", expected " + expected);
 }
 
-EndsWaiting::EndsWaiting() {
-    for (size_t k = 0; k < kEndingSignals.size(); ++k) {
-        ::sigaction(kEndingSignals[k], nullptr, &before_[k]);
-        struct sigaction action = before_[k];
-        action.sa_flags &= ~SA_RESTART;
-        ::sigaction(kEndingSignals[k], &action, nullptr);
-    }
-}
-
-EndsWaiting::~EndsWaiting() {
-    for (size_t k = 0; k < kEndingSignals.size(); ++k) ::sigaction(kEndingSignals[k], &before_[k], nullptr);
-}
-
-void EndsWaiting::throwIfEnded(const std::filesystem::path& file, int error) {
-    if (error == EINTR)
+int openToRead(const std::filesystem::path& file) {
+    // open() itself would wait for a writer, and go on waiting after a signal; poll() does not.
+    const int in = ::open(file.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
+    if (in < 0) return in;
+    pollfd ready{in, POLLIN, 0};
+    if (::poll(&ready, 1, -1) < 0 && errno == EINTR) {
+        ::close(in);
         throw std::runtime_error(file.string() + ": interrupted, nobody writes into this pipe");
+    }
+    ::fcntl(in, F_SETFL, 0); // reading waits
+    return in;
 }
 
 std::string readText(const std::filesystem::path& file, const std::string& expected, size_t largest) {
     refuseUnreadable(file, expected);
-    std::ifstream in;
-    {
-        const EndsWaiting guard;
-        in.open(file, std::ios::binary);
-        if (!in.is_open()) EndsWaiting::throwIfEnded(file, errno);
-    }
+    const auto fail = [&] { throw InputError(file.string(), "", "cannot be read, expected " + expected); };
+    const int descriptor = openToRead(file);
+    if (descriptor < 0) fail();
+    const std::unique_ptr<std::FILE, int (*)(std::FILE*)> in(::fdopen(descriptor, "rb"), std::fclose);
     std::string read;
     std::vector<char> chunk(1 << 20);
-    while (in.read(chunk.data(), static_cast<std::streamsize>(chunk.size())), in.gcount() > 0) {
-        read.append(chunk.data(), static_cast<size_t>(in.gcount()));
+    while (const size_t count = std::fread(chunk.data(), 1, chunk.size(), in.get())) {
+        read.append(chunk.data(), count);
         if (read.size() > largest)
             throw InputError(file.string(), "",
                              fmt::format("is larger than {} MiB, expected {}", largest >> 20, expected));
     }
-    if (in.bad() || !in.is_open())
-        throw InputError(file.string(), "", "cannot be read, expected " + expected);
+    if (std::ferror(in.get())) fail();
     refuseUtf16(file, read);
     return read;
 }

@@ -1,14 +1,12 @@
 // Text and JSON files that are read as a whole, with one way to complain about them.
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <filesystem>
 #include <string>
 #include <string_view>
 
 #include <nlohmann/json.hpp>
-#include <signal.h>
 
 namespace heliodon::geometry {
 
@@ -20,21 +18,9 @@ constexpr size_t kLargestText = size_t{64} << 20, kLargestModel = size_t{1} << 3
 std::string readText(const std::filesystem::path& file, const std::string& expected,
                      size_t largest = kLargestText);
 
-// While it lives, Ctrl-C ends a call that waits, as opening a pipe does that nobody writes into. In the
-// thread that signals go to.
-class EndsWaiting {
-public:
-    EndsWaiting();
-    ~EndsWaiting();
-    EndsWaiting(const EndsWaiting&) = delete;
-    EndsWaiting& operator=(const EndsWaiting&) = delete;
-
-    // Throws std::runtime_error where that is why a call failed, by its errno.
-    static void throwIfEnded(const std::filesystem::path& file, int error);
-
-private:
-    std::array<struct sigaction, 3> before_;
-};
+// open() for reading; a pipe that nobody writes into yet is waited for until a signal comes. A descriptor, or
+// -1. Throws std::runtime_error where a signal came.
+int openToRead(const std::filesystem::path& file);
 
 // For readers of other kinds of file: throws what readText would.
 void refuseUnreadable(const std::filesystem::path& file, const std::string& expected);

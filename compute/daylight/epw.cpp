@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cctype>
-#include <cerrno>
 #include <cmath>
 #include <memory>
 #include <string_view>
@@ -29,12 +28,8 @@ constexpr size_t kLargestFile = size_t{256} << 20;
 std::string readText(const std::string& file) {
     const std::string expected = "hourly weather (.epw, .wea, or one of them as .gz)";
     geometry::refuseUnreadable(file, expected);
-    std::unique_ptr<gzFile_s, int (*)(gzFile)> in(nullptr, gzclose);
-    {
-        const geometry::EndsWaiting guard;
-        in.reset(gzopen(file.c_str(), "rb"));
-        if (!in) geometry::EndsWaiting::throwIfEnded(file, errno);
-    }
+    const int descriptor = geometry::openToRead(file);
+    const std::unique_ptr<gzFile_s, int (*)(gzFile)> in(gzdopen(descriptor, "rb"), gzclose);
     if (!in) throw InputError(file, "", "cannot be read, expected " + expected);
     std::string text;
     std::vector<char> block(1 << 16);
