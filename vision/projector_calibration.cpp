@@ -306,37 +306,36 @@ void refuseMixedUp(const geometry::OpticalDevice& camera, int width, int height,
                    const std::vector<ProjectorPlane>& planes, double rms) {
     constexpr double kFits = 0.2, kUsed = 0.5; // of what they are off as they are; of the corners
     if (planes.empty()) return;
-    const size_t end = planes.size() - 1;
+    const size_t count = planes.size();
     std::vector<ProjectorPlane> tried = planes;
     // How far corners then lie off; none where that is no better, or those of these planes are left out.
-    const auto fit = [&](size_t first, size_t last) -> std::optional<double> {
+    const auto fit = [&](size_t first, size_t end) -> std::optional<double> {
         try {
             const ProjectorCalibration result = calibrateAsTaken(camera, width, height, tried);
             size_t used = 0, all = 0;
-            for (size_t i = first; i <= last; ++i)
+            for (size_t i = first; i < end; ++i)
                 used += result.planes[i].corners, all += tried[i].corners.size();
-            const bool fits =
-                result.rms<kFits * rms, uses = static_cast<double>(used)> kUsed * static_cast<double>(all);
-            if (fits && uses) return result.rms;
+            const bool uses = static_cast<double>(used) > kUsed * static_cast<double>(all);
+            if (uses && result.rms < kFits * rms) return result.rms;
         } catch (const CalibrationError&) { // so that is not it
         }
         return std::nullopt;
     };
     for (ProjectorPlane& plane : tried) turnByHalf(plane, camera);
-    if (fit(0, end))
+    if (fit(0, count))
         throw CalibrationError(
             "the camera's pictures are turned by half against the rig's camera: take them as "
             "it gave those that it was calibrated with");
     tried = planes;
-    for (size_t i = 0; i <= end; ++i) tried[i].height = planes[end - i].height;
-    if (fit(0, end))
+    for (size_t i = 0; i < count; ++i) tried[i].height = planes[count - 1 - i].height;
+    if (fit(0, count))
         throw CalibrationError(
             "the corners fit the planes' heights in reverse: is the first plane the lowest?");
     std::optional<std::pair<double, size_t>> best;
-    for (size_t i = 0; i <= end; ++i) {
+    for (size_t i = 0; i < count; ++i) {
         tried = planes;
         turnByHalf(tried[i], camera);
-        if (const auto off = fit(i, i); off && (!best || *off < best->first)) best = {*off, i};
+        if (const auto off = fit(i, i + 1); off && (!best || *off < best->first)) best = {*off, i};
     }
     if (best)
         throw CalibrationError(fmt::format("the pictures of the plane at {:.4f} m are turned by half against "
