@@ -38,17 +38,37 @@ size_t wallsIn(const DetectionResult& result) {
     return result.sketch.walls.size() + result.sketch.arcs.size();
 }
 
+// One pass over the picture, and what it shows of how the next should go.
+struct Reading {
+    DetectionResult result;
+    std::optional<CardWhite> card;
+    std::optional<BrightEnds> ends;
+    std::optional<double> otherThickness;
+    bool endsHaveTablesColour = false, seesRelief = false;
+};
+
 class Detector {
 public:
     Detector(const Photograph& photo, const geometry::Rig& rig, const DetectOptions& options,
              const std::optional<CardWhite>& card = std::nullopt)
         : rig_(rig), options_(options), view_(photo, rig.camera, options.gamma), card_(card) {}
 
-    DetectionResult run() {
+    Reading read() {
+        run();
+        return {out_,
+                card_,
+                brightEnds(out_.sketch, evidence(), image_, view_, radius()),
+                otherThickness(),
+                endsHaveTablesColour(out_.sketch, evidence(), image_, view_),
+                showRelief(reliefs())};
+    }
+
+private:
+    void run() {
         image_ = classifyPixels(view_, rig_, options_, card_);
         if (!image_.hasTable) {
             out_.warnings.emplace_back("no lit white table is seen where the rig says that it is");
-            return out_;
+            return;
         }
         view_.setWhite(image_.white);
         regions_ = findComponents(image_, smallestArea(view_));
@@ -57,7 +77,7 @@ public:
         if (regions_.size() > kMostRegions) {
             out_.warnings.push_back(fmt::format(
                 "{} coloured regions: the picture is noise, nothing is read from it", regions_.size()));
-            return out_;
+            return;
         }
         used_.assign(regions_.size(), false);
         findTokens();
@@ -76,7 +96,6 @@ public:
             out_.warnings.push_back(std::move(line));
         out_.sketch.tableDiameter = 2 * radius();
         nameInOrder(out_.sketch);
-        return out_;
     }
 
     // Walls cut from another sheet: the width that most strips have which are no walls of the options'
@@ -93,15 +112,7 @@ public:
             return std::nullopt;
         return width;
     }
-    std::optional<BrightEnds> brightEnds() const {
-        return vision::brightEnds(out_.sketch, evidence(), image_, view_, radius());
-    }
-    bool endsHaveTablesColour() const {
-        return vision::endsHaveTablesColour(out_.sketch, evidence(), image_, view_);
-    }
-    bool seesRelief() const { return showRelief(reliefs()); }
 
-private:
     void warnOfTurn() {
         const auto turn = pictureTurn(out_.sketch.walls, image_, view_, options_, radius());
         if (!turn) return;
@@ -464,53 +475,41 @@ DetectionResult detectSketch(const Photograph& photo, const geometry::Rig& rig,
                         rig.camera.width, rig.camera.height,
                         turned ? ": it was turned, expected it as the camera gave it" : ""));
     }
-    Detector first(photo, rig, options);
-    DetectionResult result = first.run();
-    auto ends = first.brightEnds();
-    auto thickness = first.otherThickness();
-    std::optional<CardWhite> card;
+    Reading best = Detector(photo, rig, options).read();
     // What was taken for card on a coloured table is none: the table is white.
-    if (first.endsHaveTablesColour()) {
-        Detector second(photo, rig, options, kWhiteTable);
-        DetectionResult again = second.run();
-        if (wallsIn(again) >= wallsIn(result)) {
-            card = kWhiteTable;
-            result = std::move(again), ends = second.brightEnds(), thickness = second.otherThickness();
-        }
+    if (best.endsHaveTablesColour) {
+        Reading again = Detector(photo, rig, options, kWhiteTable).read();
+        if (wallsIn(again.result) >= wallsIn(best.result)) best = std::move(again);
     }
     // Walls that were found although the table is not white show what card returns: all is held against that.
     // It loses no walls, or those left agree with it: what was read before may have been paper.
-    if (ends && ends->count >= kEnoughEnds) {
-        Detector second(photo, rig, options, ends->card);
-        DetectionResult again = second.run();
-        const auto after = second.brightEnds();
-        if (wallsIn(again) >= wallsIn(result) || (!after && 2 * wallsIn(again) >= kEnoughEnds)) {
-            card = ends->card;
-            result = std::move(again), ends = after, thickness = second.otherThickness();
-        }
+    if (best.ends && best.ends->count >= kEnoughEnds) {
+        Reading again = Detector(photo, rig, options, best.ends->card).read();
+        const size_t left = wallsIn(again.result);
+        if (left >= wallsIn(best.result) || (!again.ends && 2 * left >= kEnoughEnds)) best = std::move(again);
     }
     // Strips that are no walls of the thickness expected, but all alike and as high as their colours state.
-    if (thickness) {
+    if (best.otherThickness) {
         DetectOptions others = options;
-        others.wallThickness = *thickness;
-        Detector third(photo, rig, others, card);
-        DetectionResult again = third.run();
-        if (wallsIn(again) > wallsIn(result) && third.seesRelief()) {
-            result = std::move(again), ends = third.brightEnds();
-            result.warnings.push_back(
-                fmt::format("the walls are {:.2f} in thick, not {:.3g} in: they are read so", *thickness,
-                            options.wallThickness));
+        others.wallThickness = *best.otherThickness;
+        Reading again = Detector(photo, rig, others, best.card).read();
+        if (wallsIn(again.result) > wallsIn(best.result) && again.seesRelief) {
+            best = std::move(again);
+            best.result.warnings.push_back(
+                fmt::format("the walls are {:.2f} in thick, not {:.3g} in: they are read so",
+                            others.wallThickness, options.wallThickness));
         }
     }
-    if (ends)
+    DetectionResult& result = best.result;
+    if (best.ends)
         result.warnings.push_back(fmt::format("the walls' white ends are {:.1f} times as bright as what was "
                                               "taken for white: colours may be misread",
-                                              ends->overWhite));
+                                              best.ends->overWhite));
     // Before all other warnings: it may explain them.
     const PlanView view(photo, rig.camera, options.gamma);
     if (auto line = tableElsewhere(view, rig.tableRadius / geometry::kMetresPerInch))
         result.warnings.insert(result.warnings.begin(), std::move(*line));
-    return result;
+    return std::move(result);
 }
 
 } // namespace heliodon::vision
