@@ -300,7 +300,8 @@ WhiteMap findWhite(const PlanView& view, const TableRegion& region, const std::o
     const cv::Vec3f global(typical * std::max(median(std::move(red)), 1e-3f), typical,
                            typical * std::max(median(std::move(blue)), 1e-3f));
 
-    constexpr float kAny = 1e9f, kOfDark = 2.5f; // times as bright as most of the table
+    constexpr float kAny = 1e9f, kOfDark = 2.5f;       // times as bright as most of the table
+    constexpr float kNoBrighter = 1.3f, kPale = 0.35f; // times as bright as the table near by; of P'
     const ColourRounding rounding(view);
     Light light;
     std::optional<CardWhite> card;
@@ -342,10 +343,16 @@ WhiteMap findWhite(const PlanView& view, const TableRegion& region, const std::o
         out.grid.light = std::move(mixed->local);
         return true;
     };
-    const auto cardInMixture = [&] {
+    // Card no brighter than the table, in a mixture of the lights: the table is as white, in another one.
+    const auto cardInMixture = [&]() -> std::optional<CardWhite> {
         LightGrid full = out.grid;
         full.light = out.full;
-        return cardOf(full);
+        const auto seen = cardOf(full);
+        const glm::vec3 colour(global[0], global[1], global[2]);
+        if (seen && !known && seen->overTable.g < kNoBrighter && saturationOf(seen->overTable) < kPale &&
+            out.lights->isMixture(colour * seen->overTable))
+            return std::nullopt;
+        return seen;
     };
     if (readMixture(kAny)) {
         card = cardInMixture();

@@ -306,6 +306,23 @@ WhiteMap whiteOf(const Photograph& photo, const geometry::Rig& rig) {
     return findWhite(view, findTable(view, rig.tableRadius / geometry::kMetresPerInch, 0.5));
 }
 
+// Ray-cast, in daylight and a lamp's light: faces in the one are bluer than the white table in both.
+TEST(DetectLight, a_white_table_with_bluer_faces_in_two_lights) {
+    const geometry::Rig rig = geometry::readRig(HELIODON_TEST_DATA "/vision/two_lights.rig.json");
+    const Photograph photo = readPhotograph(HELIODON_TEST_DATA "/vision/two_lights.jpg");
+    EXPECT_TRUE(whiteOf(photo, rig).lights);
+    EXPECT_FALSE(whiteOf(photo, rig).card);
+    geometry::Sketch stated;
+    stated.walls = {wall("w1", {-5.05, -8.63}, {11.33, -3.17}, HeightClass::blue),
+                    wall("w2", {11.52, -2.81}, {8.85, 5.19}, HeightClass::blue),
+                    wall("w3", {8.34, 5.36}, {0.48, 2.74}, HeightClass::blue),
+                    wall("w4", {0.04, 3.06}, {-2.23, 9.9}, HeightClass::blue),
+                    wall("w5", {-2.78, 10.05}, {-10.37, 7.52}, HeightClass::blue)};
+    const Score score = scoreSketch(stated, detectSketch(photo, rig).sketch);
+    EXPECT_EQ(score.at("wall").found, 5) << table(score);
+    EXPECT_LT(score.at("wall").placeWorst, 0.1) << table(score);
+}
+
 // A patch of light adds to every channel and has a colour of its own, as card on a coloured table has. It is
 // not taken for card or for a skylight, whether it lies free, across walls or along one.
 TEST(DetectLight, daylight_that_falls_on_a_table_under_tungsten_lamps) {
