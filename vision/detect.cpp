@@ -217,12 +217,13 @@ private:
             const auto isArrow = [&](const Component& part) {
                 return fitArrow(part, view_, options_).has_value();
             };
-            const auto isWall = [&](const Component& part) {
-                return fitStraight({Paint::red, {&part}, {}}, view_, options_).has_value();
+            const auto straight = [&](const Component& part) {
+                return fitStraight({Paint::red, {&part}, {}}, view_, options_);
             };
             const bool hasArrow = std::any_of(orange.begin(), orange.end(), isArrow),
-                       hasWall = std::any_of(red.begin(), red.end(), isWall);
-            if (red.empty() || !(hasArrow || (hasWall && !isWall(whole)))) continue;
+                       hasWall = std::any_of(red.begin(), red.end(), straight);
+            const auto all = straight(whole); // a face in the shade beside the top is orange, too
+            if (red.empty() || !(hasArrow || (hasWall && !(all && evidence().isWall(all->wall))))) continue;
             for (const Component& part : orange)
                 for (const Run& run : part.runs)
                     for (int x = run.x0; x < run.x1; ++x) image_.set(x, run.y, Paint::none);

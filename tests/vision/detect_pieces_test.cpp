@@ -257,6 +257,16 @@ TEST(DetectPieces, an_arrow_out_of_focus) {
     EXPECT_LT(std::abs(std::remainder(north->dirDeg, 360)), 2);
 }
 
+// In warm light a face, in the shade or not, is orange along all of a red top.
+TEST(DetectPieces, a_wall_with_an_orange_face) {
+    const geometry::Rig rig = exampleRig();
+    for (const Color& face : {Color{0.1, 0.06, 0.03}, {0.7, 0.45, 0.3}}) {
+        Photograph photo = paintTable(room(), rig);
+        cover(photo, rig, {{-6.3, 5.59}, {6.2, 5.59}, {6.2, 5.74}, {-6.3, 5.74}}, 10, face);
+        expectRead(room(), photo);
+    }
+}
+
 TEST(DetectPieces, orange_light_of_an_arrows_shape_is_none) {
     const geometry::Rig rig = exampleRig();
     Photograph photo = paintTable(room(), rig);
