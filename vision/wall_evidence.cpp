@@ -380,11 +380,14 @@ float upperQuartile(std::vector<float> values) {
     return ranked(values, 3 * values.size() / 4);
 }
 
-// The fainter one: a pen's cap can be as bright as the other.
-float typicalEnd(const std::vector<Relief>& reliefs) {
+// A pen's cap can be as bright as a wall's end.
+std::vector<float> fainterEnds(const std::vector<Relief>& reliefs) {
     std::vector<float> ends;
     for (const Relief& r : reliefs) ends.push_back(std::min(r.ends[0], r.ends[1]));
-    return upperQuartile(std::move(ends));
+    return ends;
+}
+float typicalEnd(const std::vector<Relief>& reliefs) {
+    return upperQuartile(fainterEnds(reliefs));
 }
 
 } // namespace
@@ -407,6 +410,10 @@ std::vector<Lies> lieFlat(const std::vector<Relief>& reliefs) {
     std::vector<Lies> out(reliefs.size(), Lies::no);
     if (!showRelief(reliefs)) return out;
     const float typical = typicalEnd(reliefs), noEnd = std::clamp(kShare * typical, kNoEnd, kSureEnd);
+    // Where nearly all have bright ends, light and table are such that none lacks them but where it is
+    // hidden.
+    std::vector<float> ends = fainterEnds(reliefs);
+    const bool mostHaveEnds = ranked(ends, ends.size() / 3) >= noEnd;
     std::vector<float> saturation;
     for (const Relief& r : reliefs) saturation.push_back(r.saturation);
     const float pale = kPaler * upperQuartile(std::move(saturation));
@@ -421,7 +428,9 @@ std::vector<Lies> lieFlat(const std::vector<Relief>& reliefs) {
         if (r.foot && *r.foot < (noEnds ? kFaintFoot : kNoFoot))
             out[i] = isHidden && !isPale && !isBare ? Lies::unsure : Lies::flat;
         if (out[i] != Lies::no || typical < kVividEnd) continue;
-        if (noEnds) out[i] = isPale || isBare ? Lies::flat : Lies::unsure;
+        const bool nothingHides =
+            std::all_of(r.looks.begin(), r.looks.end(), [](EndLook look) { return look == EndLook::bare; });
+        if (noEnds) out[i] = isPale || isBare || (mostHaveEnds && nothingHides) ? Lies::flat : Lies::unsure;
         if (isPale && isBare) out[i] = Lies::flat;
     }
     return out;

@@ -29,9 +29,10 @@ struct Relief {
 };
 
 // Of things with the colour and the shape of walls, those that are none: where others show relief, they have
-// neither a bright end nor a foot, or lack an end and much of the paint. Unsure: ends that hardly are bright,
-// and no face would be seen either, as below the camera, or something there may be another's; or one bright
-// end and vivid paint as far as where the other is hidden.
+// neither a bright end nor a foot, or lack an end and much of the paint, or lack both ends, which nothing
+// hides, where nearly all others have theirs. Unsure: ends that hardly are bright, and no face would be seen
+// either, as below the camera, or something there may be another's; or one bright end and vivid paint as far
+// as where the other is hidden.
 enum class Lies { no, unsure, flat };
 std::vector<Lies> lieFlat(const std::vector<Relief>& reliefs);
 

@@ -391,6 +391,18 @@ TEST(Photograph, names_a_file_that_is_missing_or_no_picture) {
     EXPECT_NE(complaint(text).find("is damaged"), std::string::npos) << complaint(text);
 }
 
+// Among walls of which nearly all have bright ends, a strip with nothing but table at both of its own is a
+// pen, whatever the shade along its sides looks like; where several lack theirs, light may be what hides
+// them.
+TEST(Relief, a_pen_in_light_that_makes_a_foot_of_its_shade) {
+    constexpr EndLook bare = EndLook::bare, other = EndLook::other;
+    const Relief wall{{0.3f, 0.4f}, 0.2f}, pen{{-0.3f, 0}, 0.2f, 1, 1, {bare, bare}},
+        hidden{{-0.3f, 0}, 0.2f, 1, 1, {bare, other}};
+    EXPECT_EQ(lieFlat({wall, wall, wall, wall, pen})[4], Lies::flat);
+    EXPECT_EQ(lieFlat({wall, wall, wall, wall, hidden})[4], Lies::unsure);
+    EXPECT_EQ(lieFlat({wall, wall, pen, pen, pen})[4], Lies::unsure);
+}
+
 TEST(Relief, pens_with_one_shining_cap_do_not_make_a_faint_wall_one_of_them) {
     const Relief pen{{0.01f, 0.5f}, 0.01f}, wall{{0.3f, 0.3f}, 0.2f}, faint{{0.12f, 0.3f}, 0.03f};
     const std::vector<Lies> lies = lieFlat({pen, pen, pen, pen, pen, wall, wall, faint});
