@@ -159,7 +159,9 @@ float mostFrom(vec2 at) {
 
 // Cells so large that two agreeing rules prove nothing: a bend or a shadow could hide between the points.
 const float kShadowShare = 250.0, kQuickShadowShare = 1000.0, kBendShare = 6.0;
-const float kBendReach = 1.5; // a cell's longest edge over its middle's distance from the bend, from where it bends
+// A cell's longest edge over its middle's distance from the bend, from where it bends. Long cells that meet the bend at
+// their tip have 1.5, a little less where a gap is between.
+const float kBendReach = 1.4;
 
 // Between pieces that nearly touch, what is seen falls past the border of the inner one within about their distance:
 // of larger cells all points see everything or nothing. What such a cell may have missed.
