@@ -311,16 +311,20 @@ geometry::Sketch loadSketch(Run& run, const SceneArguments& arguments,
 
 namespace {
 
-// Says it once: devices are in one unit.
-void warnOfFar(Run& run, const std::filesystem::path& file, const geometry::Rig& rig) {
+// That they are far off is said once: devices are in one unit.
+void warnOfPlaces(Run& run, const std::filesystem::path& file, const geometry::Rig& rig) {
     constexpr double kFar = 20; // metres: no ceiling is so high
     std::vector<std::pair<std::string, glm::dvec3>> centres{{"camera", rig.camera.centre()}};
     for (size_t p = 0; p < rig.projectors.size(); ++p)
         centres.emplace_back(fmt::format("projectors[{}]", p), rig.projectors[p].centre());
-    for (const auto& [device, centre] : centres)
+    for (const auto& [device, centre] : centres) {
         if (const double away = glm::length(centre); away > kFar)
             return run.warn(fmt::format("{}: {} stands {:.0f} m from the table, expected t in metres",
                                         file.string(), device, away));
+        if (centre.y < 0)
+            run.warn(fmt::format("{}: {} stands {:.2f} m below the top of the table: are its R and t right?",
+                                 file.string(), device, -centre.y));
+    }
 }
 
 // By the face's material and where it lies, in metres of building: faces of the file may have been divided.
@@ -347,7 +351,7 @@ geometry::PatchMesh meshOrRefuse(const SceneArguments& arguments, const geometry
 geometry::Rig loadRig(Run& run, const std::filesystem::path& file) {
     geometry::Rig rig = geometry::readRig(file);
     warnOfUnknown(run, file, rig.unknownFields, "rig");
-    warnOfFar(run, file, rig);
+    warnOfPlaces(run, file, rig);
     if (rig.tableAssumed)
         run.assume(fmt::format("a table {:.4g} m across (table.radius_m of the rig says another)",
                                2 * rig.tableRadius));

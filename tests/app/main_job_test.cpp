@@ -155,7 +155,7 @@ TEST_F(MainJob, a_model_on_its_side_or_in_other_units_is_said_to_seem_so) {
     EXPECT_EQ(hall.find("inches"), std::string::npos) << hall;
 }
 
-// And a fifth, black one, which looks away, by its name in a warning.
+// And a fifth, black one, which stands below the table and looks away, both in warnings.
 TEST_F(MainJob, render_writes_four_projector_pictures_and_a_preview) {
     nlohmann::json rig = nlohmann::json::parse(readText(kRig));
     rig["projectors"].push_back(rig["projectors"][0]);
@@ -177,8 +177,11 @@ TEST_F(MainJob, render_writes_four_projector_pictures_and_a_preview) {
         EXPECT_TRUE(r["stages"].contains(stage)) << stage;
     EXPECT_TRUE(r["device"].contains("name"));
     EXPECT_EQ(look("out/projector-4.png", 1024, 768).mean, 0);
-    ASSERT_EQ(r["warnings"].size(), 1u) << r["warnings"];
-    EXPECT_NE(r["warnings"][0].get<std::string>().find("'away' reaches no wall"), std::string::npos);
+    ASSERT_EQ(r["warnings"].size(), 2u) << r["warnings"];
+    EXPECT_NE(
+        r["warnings"][0].get<std::string>().find("projectors[4] stands 1.51 m below the top of the table"),
+        std::string::npos);
+    EXPECT_NE(r["warnings"][1].get<std::string>().find("'away' reaches no wall"), std::string::npos);
 }
 
 TEST_F(MainJob, the_same_command_gives_the_same_bits) {
