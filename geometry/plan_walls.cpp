@@ -14,6 +14,7 @@
 #include "geometry/perpendicular.h"
 #include "geometry/plan_fillings.h"
 #include "geometry/ray_crossing.h"
+#include "geometry/straight_sides.h"
 #include "geometry/used_stretches.h"
 
 namespace heliodon::geometry {
@@ -21,16 +22,10 @@ namespace heliodon::geometry {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-constexpr double kSameLineOffset = 0.25 + 1e-6;       // inches: nearer pieces lie on one straight side
-const double kSameLineSine = std::sin(4 * kPi / 180); // and do not turn by more than this
-constexpr double kSameLineGap = 12;                   // inches along the side
-constexpr double kAside = 1;                          // inches: how far a wall goes past what it parts
-constexpr double kPilaster = 0.5;     // of a wall's length: a shorter piece within it that stands out
-constexpr double kStandsOut = 0.18;   // by so many inches on one side,
-constexpr double kFlush = 0.05;       // and no more than so many on the other one, is no copy of it
-constexpr double kShortestWall = 0.1; // inches: shorter ones are slips of the detection
-constexpr double kLeastInside = 0.02; // inches: the inner radius of an arc
-constexpr double kMeet = 1e-9;        // radians: arcs that end where others begin, but for rounding
+constexpr double kSameArc = 0.25 + 1e-6; // inches: by which copies of an arc miss one another
+constexpr double kShortestWall = 0.1;    // inches: shorter ones are slips of the detection
+constexpr double kLeastInside = 0.02;    // inches: the inner radius of an arc
+constexpr double kMeet = 1e-9;           // radians: arcs that end where others begin, but for rounding
 
 glm::dvec2 onCircle(double angle) {
     return {std::cos(angle), std::sin(angle)};
@@ -102,8 +97,8 @@ void mergeArcs(std::vector<WallPiece>& arcs) {
         const double middle = (p.a0 + p.a1) / 2;
         for (size_t j = i + 1; j < arcs.size(); ++j) {
             const WallPiece& q = arcs[j];
-            if (glm::length(p.center - q.center) > kSameLineOffset ||
-                std::abs(p.radius - q.radius) > kSameLineOffset || p.height != q.height)
+            if (glm::length(p.center - q.center) > kSameArc || std::abs(p.radius - q.radius) > kSameArc ||
+                p.height != q.height)
                 continue;
             const double shift = 2 * kPi * std::round((p.a0 + p.a1 - q.a0 - q.a1) / (4 * kPi));
             const double b0 = q.a0 + shift, b1 = q.a1 + shift;
@@ -126,118 +121,6 @@ void mergeArcs(std::vector<WallPiece>& arcs) {
     }
     std::ranges::sort(arcs, {}, order);
 }
-
-class LineFinder {
-public:
-    LineFinder(std::vector<WallPiece>& pieces, std::vector<WallLine>& lines)
-        : pieces_(pieces), lines_(lines) {}
-
-    // Longest first: a long wall knows its direction best.
-    void find() {
-        std::vector<size_t> byLength(pieces_.size());
-        for (size_t i = 0; i < byLength.size(); ++i) byLength[i] = i;
-        std::ranges::stable_sort(byLength, std::greater(), [&](size_t i) { return length(pieces_[i]); });
-        for (const size_t seed : byLength) {
-            if (pieces_[seed].line >= 0) continue;
-            std::vector<size_t> members{seed};
-            const int id = static_cast<int>(lines_.size());
-            pieces_[seed].line = id;
-            for (bool grown = true; grown;) {
-                grown = false;
-                for (const size_t i : byLength) {
-                    if (pieces_[i].line >= 0 || !fits(pieces_[seed], members, pieces_[i])) continue;
-                    pieces_[i].line = id;
-                    members.push_back(i);
-                    grown = true;
-                }
-            }
-            lines_.push_back(fit(members));
-            if (members.size() > 1)
-                for (const size_t i : members) project(pieces_[i], lines_.back());
-        }
-    }
-
-private:
-    static double length(const WallPiece& p) { return glm::length(p.b - p.a); }
-
-    bool fits(const WallPiece& seed, const std::vector<size_t>& members, const WallPiece& candidate) const {
-        const glm::dvec2 d = glm::normalize(seed.b - seed.a);
-        if (std::abs(cross(d, glm::normalize(candidate.b - candidate.a))) > kSameLineSine) return false;
-        if (std::abs(cross(d, candidate.a - seed.a)) > kSameLineOffset ||
-            std::abs(cross(d, candidate.b - seed.a)) > kSameLineOffset)
-            return false;
-        const auto along = [&](const WallPiece& p) {
-            const auto [from, to] = std::minmax({glm::dot(p.a - seed.a, d), glm::dot(p.b - seed.a, d)});
-            return Stretch{from, to};
-        };
-        const Stretch own = along(candidate);
-        bool near = false;
-        for (const size_t m : members) {
-            const Stretch other = along(pieces_[m]);
-            if (isPilaster(candidate, own, pieces_[m], other)) return false;
-            const double from = std::min(own.to, other.to), to = std::max(own.from, other.from);
-            near = near || (to < from + kSameLineGap && !isParted(seed.a + from * d, d, to - from));
-        }
-        return near;
-    }
-
-    // A gap from there, by a wall that runs on to both sides, a step from either end: what is beyond is
-    // another building's.
-    bool isParted(glm::dvec2 from, glm::dvec2 d, double gap) const {
-        return gap > 2 * kAside && std::ranges::any_of(pieces_, [&](const WallPiece& wall) {
-                   const double offA = cross(d, wall.a - from), offB = cross(d, wall.b - from);
-                   const double at = glm::dot(glm::mix(wall.a, wall.b, offA / (offA - offB)) - from, d);
-                   return offA * offB < 0 && std::min(std::abs(offA), std::abs(offB)) > kAside &&
-                          at > kAside && at < gap - kAside;
-               });
-    }
-
-    // Flat on the wall's face: within its length, much shorter, and standing out by more than a hand errs, on
-    // one side alone. A thicker piece of the wall does on both.
-    static bool isPilaster(const WallPiece& p, Stretch on, const WallPiece& wall, Stretch whole) {
-        if (on.length() > kPilaster * whole.length() || on.from < whole.from || on.to > whole.to)
-            return false;
-        const glm::dvec2 d = glm::normalize(wall.b - wall.a);
-        const double toA = cross(d, p.a - wall.a), toB = cross(d, p.b - wall.a),
-                     off = toA * toB > 0 ? std::min(std::abs(toA), std::abs(toB)) : 0,
-                     thicker = (p.thickness - wall.thickness) / 2;
-        return thicker + off > kStandsOut && thicker - off < kFlush;
-    }
-
-    WallLine fit(const std::vector<size_t>& members) const {
-        const WallPiece& seed = pieces_[members[0]];
-        const glm::dvec2 d = seed.b - seed.a;
-        if (members.size() == 1) return {seed.a, glm::normalize(d)};
-        // Least squares through the pieces, weighted by length: direction from the second moments.
-        glm::dvec2 middle{0};
-        double total = 0;
-        for (const size_t i : members) {
-            middle += length(pieces_[i]) * (pieces_[i].a + pieces_[i].b) / 2.0;
-            total += length(pieces_[i]);
-        }
-        middle /= total;
-        double xx = 0, xy = 0, yy = 0;
-        for (const size_t i : members)
-            for (const glm::dvec2 end : {pieces_[i].a, pieces_[i].b}) {
-                const glm::dvec2 r = end - middle;
-                xx += length(pieces_[i]) * r.x * r.x;
-                xy += length(pieces_[i]) * r.x * r.y;
-                yy += length(pieces_[i]) * r.y * r.y;
-            }
-        glm::dvec2 direction = onCircle(0.5 * std::atan2(2 * xy, xx - yy));
-        if (glm::dot(direction, d) < 0) direction = -direction;
-        return {middle, direction};
-    }
-
-    static void project(WallPiece& piece, const WallLine& line) {
-        auto [s0, s1] = std::minmax({line.along(piece.a), line.along(piece.b)});
-        piece.a = line.origin + s0 * line.direction;
-        piece.b = line.origin + s1 * line.direction;
-    }
-
-    std::vector<WallPiece>& pieces_;
-    std::vector<WallLine>& lines_;
-};
 
 // Pieces on one line that overlap become one. Where one of them is higher or thicker, that holds as far as
 // it reaches, or a little farther, where what is left of the other is too short to have been meant.
@@ -453,7 +336,8 @@ PlanWalls planWalls(const Sketch& sketch, const PlanWallsOptions& options) {
     for (const bool green : {false, true}) {
         std::vector<WallPiece>& pieces = green ? plan.partitions : plan.pieces;
         pieces = straightPieces(sketch, green, plan);
-        LineFinder(pieces, plan.lines).find();
+        joinEndToEnd(pieces);
+        findStraightSides(pieces, plan.lines);
         OverlapMerger(pieces, plan.lines).merge();
         std::vector<WallPiece> arcs = curvedPieces(sketch, green, plan);
         mergeArcs(arcs);

@@ -8,6 +8,8 @@
 #include <tuple>
 #include <utility>
 
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
@@ -92,6 +94,32 @@ TEST_P(TurnedSketch, is_the_same_building) {
 
 TEST_P(TurnedSketch, order_of_primitives_changes_nothing) {
     heliodon::test::expectSameInAnyOrder(sketchOf(sketches()[GetParam()]));
+}
+
+// Nor does it matter in how many pieces a wall was drawn that go on from one another.
+TEST_P(TurnedSketch, in_pieces_it_is_the_same_building) {
+    const Sketch sketch = sketchOf(sketches()[GetParam()]);
+    Sketch pieces = sketch;
+    for (const Wall& wall : sketch.walls) {
+        Wall rest = wall;
+        rest.id += "_rest";
+        rest.a = glm::mix(wall.a, wall.b, 0.37);
+        const double kept = glm::length(rest.a - wall.a);
+        std::ranges::find(pieces.walls, wall.id, &Wall::id)->b = rest.a;
+        for (WindowMarker& window : pieces.windows)
+            if (window.wall == wall.id && window.pos > kept) {
+                window.wall = rest.id;
+                window.pos -= kept;
+            }
+        pieces.walls.push_back(rest);
+    }
+    const ClosureReport whole = reportOf(sketch), again = reportOf(pieces);
+    ASSERT_EQ(again.rooms.size(), whole.rooms.size()) << again.message;
+    for (size_t r = 0; r < whole.rooms.size(); ++r) {
+        EXPECT_NEAR(again.rooms[r].floorAreaFt2, whole.rooms[r].floorAreaFt2,
+                    1e-6 * whole.rooms[r].floorAreaFt2);
+        EXPECT_EQ(again.rooms[r].ceilingFt, whole.rooms[r].ceilingFt);
+    }
 }
 
 TEST(TurnedRing, arcs_that_end_where_others_begin_are_one) {
