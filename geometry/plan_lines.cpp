@@ -34,6 +34,7 @@ constexpr double kWidestTurn = 0.75 * kPi; // between them
 constexpr double kParallel = 0.1;          // the sine of the angle between walls that meet in no corner
 constexpr double kFacing = 0.97;           // the cosine of 14 degrees, and
 constexpr double kOffFacade = 0.75;        // inches: by which pieces of a facade may miss one another
+constexpr double kDearest = 3;             // an inch of bridge
 
 class LineBuilder {
 public:
@@ -51,6 +52,7 @@ public:
         }
         findFreeEnds();
         bridgeAlongSides();
+        bridgeFacades();
         bridgeAlongCircles();
         for (const WallEnd& end : freeEnds_) extend(end);
         for (const auto* ends : {&freeEnds_, &joinedEnds_})
@@ -173,14 +175,33 @@ private:
     static double price(double way) { return way * (1 + kGrowth * way / 2); }
 
     // Another piece of a facade begins ahead, though out of line.
+    static bool faces(const WallEnd& end, const WallEnd& other) {
+        const glm::dvec2 way = other.middle - end.middle;
+        const double along = glm::dot(way, end.out);
+        return along > 0 && along < kWidestMouth && std::abs(cross(end.out, way)) < kOffFacade &&
+               glm::dot(other.out, end.out) < -kFacing;
+    }
+
     bool facesEnd(const WallEnd& end) const {
-        const auto isAhead = [&](const WallEnd& other) {
-            const glm::dvec2 way = other.middle - end.middle;
-            const double along = glm::dot(way, end.out);
-            return along > 0 && along < kWidestMouth && std::abs(cross(end.out, way)) < kOffFacade &&
-                   glm::dot(other.out, end.out) < -kFacing;
-        };
+        const auto isAhead = [&](const WallEnd& other) { return faces(end, other); };
         return std::ranges::any_of(freeEnds_, isAhead) || std::ranges::any_of(joinedEnds_, isAhead);
+    }
+
+    // From piece to piece of a facade out of line, face to face. These only say where the hole is: no bridge
+    // is dearer.
+    void bridgeFacades() {
+        for (const WallEnd& e : freeEnds_)
+            for (const WallEnd& f : freeEnds_) {
+                if (e.piece >= f.piece || piece(e).line < 0 || piece(f).line < 0) continue;
+                if (piece(e).line == piece(f).line || !faces(e, f) || !faces(f, e)) continue;
+                const double apart = glm::length(f.middle - e.middle);
+                if (firstHit(plan_.solids, e.middle, (f.middle - e.middle) / apart, e.piece) <
+                    apart - kOverlap)
+                    continue;
+                const std::array sides{piece(e).line, piece(f).line};
+                add(e.right, f.left, {.weight = kDearest, .start = e.right, .facade = sides});
+                add(e.left, f.right, {.weight = kDearest, .start = e.left, .facade = sides});
+            }
     }
 
     struct OpenCorner {

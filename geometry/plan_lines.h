@@ -2,6 +2,7 @@
 // lines along which a gap may be bridged.
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include <glm/vec2.hpp>
@@ -17,7 +18,8 @@ struct PlanLine {
     double weight = 1;        // of a bridge: what an inch costs at its start
     double growth = 0;        // and how that grows along it
     glm::dvec2 start{};
-    int alongSide = -1; // the straight side from piece to piece of which it leads
+    int alongSide = -1;                // the straight side from piece to piece of which it leads
+    std::array<int, 2> facade{-1, -1}; // or between those of pieces that face one another out of line
     int lengthens = -1; // the straight side of the wall that it lengthens to another piece, maybe out of line
 };
 

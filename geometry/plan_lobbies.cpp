@@ -63,6 +63,8 @@ private:
         for (const PlanArrangement::Tag& tag : map_.tags[half / 2])
             if (const PlanLine& line = lines_.lines[static_cast<size_t>(tag.tag)]; line.alongSide >= 0)
                 sides.insert(line.alongSide);
+            else if (holes_ == LobbyHoles::outOfLine && line.facade[0] >= 0)
+                sides.insert(line.facade.begin(), line.facade.end());
             else if (holes_ == LobbyHoles::beforeEnds && line.lengthens >= 0)
                 sides.insert(line.lengthens);
         return sides;

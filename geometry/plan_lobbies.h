@@ -12,9 +12,9 @@
 
 namespace heliodon::geometry {
 
-// Where holes are: between pieces of one straight side; between a free end and another one that faces it,
-// too, as in a facade of pieces that are out of line or end at walls square to it.
-enum class LobbyHoles { betweenPieces, beforeEnds };
+// Where holes are: between pieces of one straight side; face to face between those of a facade that are out
+// of line, too; before a free end that another one faces, as where pieces end at walls square to the facade.
+enum class LobbyHoles { betweenPieces, outOfLine, beforeEnds };
 
 // The cells inside and those of spaces that open to the outside by holes alone and see enough of the walls
 // beside each, as the outside does: none of a recess between wings, as wide as they are apart, nor of a court

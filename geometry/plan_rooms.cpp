@@ -92,7 +92,8 @@ public:
         const std::vector<SeenWall> seen = seenWalls();
         dropPaths(plan_, lines_, map_, solid_, seen, inside_);
         accept(sealed());
-        for (const LobbyHoles holes : {LobbyHoles::betweenPieces, LobbyHoles::beforeEnds})
+        for (const LobbyHoles holes :
+             {LobbyHoles::betweenPieces, LobbyHoles::outOfLine, LobbyHoles::beforeEnds})
             accept(withLobbies(plan_, lines_, map_, solid_, seen, inside_, holes));
         return trace();
     }
