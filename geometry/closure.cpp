@@ -461,6 +461,7 @@ private:
         for (const WallRole& wall : report.walls)
             if (wall.reason.starts_with("repeats")) report.message += "; " + wall.id + " " + wall.reason;
         for (const std::string& door : closedDoors()) report.message += "; " + door;
+        for (const std::string& space : spaces_.outside) report.message += "; " + space;
         for (const PlanNote& note : notes_) report.message += "; " + note.sentence;
         report.outcome = notes_.empty() ? Outcome::ok : Outcome::warn;
         report.code = notes_.empty() ? "OK" : notes_[0].code;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "geometry/plan_arrangement.h"
@@ -22,5 +23,13 @@ enum class LobbyHoles { betweenPieces, outOfLine, beforeEnds };
 std::vector<bool> withLobbies(const PlanWalls& plan, const PlanLines& lines, const PlanArrangement& map,
                               const std::vector<bool>& solid, const std::vector<SeenWall>& seen,
                               const std::vector<bool>& inside, LobbyHoles holes);
+
+// Of spaces of so many square inches and more that have holes as a lobby does, but see too little wall beside
+// them for one, and more than a recess would that is as wide as its mouth: they are outside as they happen to
+// be drawn. A sentence each, which names their walls.
+std::vector<std::string> nearlyLobbies(const PlanWalls& plan, const PlanLines& lines,
+                                       const PlanArrangement& map, const std::vector<bool>& solid,
+                                       const std::vector<SeenWall>& seen, const std::vector<bool>& inside,
+                                       double leastArea);
 
 } // namespace heliodon::geometry

@@ -95,7 +95,9 @@ public:
         for (const LobbyHoles holes :
              {LobbyHoles::betweenPieces, LobbyHoles::outOfLine, LobbyHoles::beforeEnds})
             accept(withLobbies(plan_, lines_, map_, solid_, seen, inside_, holes));
-        return trace();
+        PlanRooms out = trace();
+        out.outside = nearlyLobbies(plan_, lines_, map_, solid_, seen, inside_, kLeastRoom);
+        return out;
     }
 
 private:

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -40,6 +41,7 @@ struct PlanRooms {
     // Without rooms: the largest space that was none, as it is too open or too narrow; may be empty.
     RoomPlan nearest;
     bool nearestIsNarrow = false;
+    std::vector<std::string> outside; // sentences: what is no room, though nearly a lobby
 };
 
 PlanRooms findRooms(const PlanWalls& plan);

@@ -48,6 +48,31 @@ TEST(ClosureWords, a_closed_hole_of_a_doors_size_is_named) {
     EXPECT_EQ(withHole(8.7).code, "WIDE_OPENING");
 }
 
+// Behind a hole in the lower side of a hall: a lobby by what it sees of that side, or a recess.
+TEST(ClosureWords, what_is_nearly_a_lobby_is_named) {
+    for (const double width : {2.3, 2.0, 3.0}) {
+        SCOPED_TRACE(width);
+        Sketch s;
+        s.walls = {wall("f1", {-10, -7}, {-width / 2, -7}),
+                   wall("f2", {width / 2, -7}, {10, -7}),
+                   wall("e", {10, -7}, {10, 7}),
+                   wall("n", {10, 7}, {-10, 7}),
+                   wall("w", {-10, 7}, {-10, -7}),
+                   wall("l1", {-1.6, -7}, {-1.6, -3}),
+                   wall("l2", {1.6, -7}, {1.6, -3}),
+                   wall("l3", {-1.6, -3}, {1.6, -3})};
+        for (const double degrees : {0.0, 33.0}) {
+            const ClosureReport report = closeSketch(turned(s, degrees)).report;
+            EXPECT_EQ(report.code, "OK");
+            EXPECT_EQ(report.rooms.size(), width == 2 ? 2u : 1u);
+            EXPECT_EQ(report.message.find("; the space between l1, l2, l3, open by 2.3 ft, is outside") !=
+                          std::string::npos,
+                      width == 2.3)
+                << report.message;
+        }
+    }
+}
+
 TEST(ClosureWords, a_skylight_of_no_size_is_too_small) {
     Sketch s = square(12, 10);
     s.skylights.emplace_back();
