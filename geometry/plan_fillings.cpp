@@ -308,6 +308,19 @@ private:
         return false;
     }
 
+    // Whether a third wall beside one of the two, as far from it as is no crack, ends with them.
+    bool isAmongFins(size_t i, size_t j, glm::dvec2 mouth, glm::dvec2 way) const {
+        for (size_t k = 0; k < plan_.pieces.size(); ++k) {
+            const WallPiece& third = plan_.pieces[k];
+            if (k == i || k == j || third.curved || std::abs(aheadOf(third, mouth, way)) > kRunsBy) continue;
+            for (const size_t beside : {i, j})
+                if (const auto slot = slotBetween(plan_.pieces[beside], third);
+                    slot && slot->least >= kNarrowestNiche && slot->most <= kNarrowSlot)
+                    return true;
+        }
+        return false;
+    }
+
     void fillBetweenFaces(size_t i, size_t j) {
         if (std::ranges::find(niches_, std::pair(i, j), &Niche::walls) != niches_.end()) return;
         const std::optional<Slot> slot = slotBetween(plan_.pieces[i], plan_.pieces[j]);
@@ -315,13 +328,15 @@ private:
         double from = 0, to = 1;
         if (slot->least >= kNarrowestNiche) {
             // What a third wall parts off is a pocket of the room that it opens to, as beside a pilaster and
-            // behind the head of a T, where one of the two walls runs on. Two that end together are one.
+            // behind the head of a T, where one of the two walls runs on. Two that end together are one wall,
+            // three and more are fins.
             const std::vector<double> across = wallsAcross(*slot, i, j);
             const glm::dvec2 out = glm::normalize(slot->middle[1] - slot->middle[0]);
             const auto isOpen = [&](glm::dvec2 mouth, glm::dvec2 way) {
                 const size_t ending =
                     aheadOf(plan_.pieces[i], mouth, way) < aheadOf(plan_.pieces[j], mouth, way) ? i : j;
-                return aheadOf(plan_.pieces[i + j - ending], mouth, way) > kRunsBy &&
+                return (aheadOf(plan_.pieces[i + j - ending], mouth, way) > kRunsBy ||
+                        isAmongFins(i, j, mouth, way)) &&
                        !goesOn(ending, mouth, way) &&
                        firstHit(physical_, mouth, way, -2) > kBeforePocket * width_;
             };
