@@ -21,6 +21,7 @@ constexpr double kLeast = 0.5;      // inches: less of a wall, or of an opening,
 constexpr double kDoor = 2;         // inches: as wide as doors are drawn
 constexpr double kAcross = 0.5;     // the sine of the angle between walls and the way from one to the other
 constexpr double kAtEnd = 1;        // inches: from the end of a wall
+constexpr double kOffRow = 0.75;    // inches: by which pieces of one wall may miss one another
 constexpr double kSamePoint = 1e-6; // inches: nearer points are one but for rounding
 
 class PathFinder {
@@ -81,7 +82,8 @@ private:
 
     bool isInSide(uint32_t half) const {
         return std::ranges::any_of(map_.tags[half / 2], [&](const PlanArrangement::Tag& tag) {
-            return lines_.lines[static_cast<size_t>(tag.tag)].alongSide >= 0;
+            const PlanLine& line = lines_.lines[static_cast<size_t>(tag.tag)];
+            return line.alongSide >= 0 || line.facade[0] >= 0;
         });
     }
 
@@ -99,19 +101,29 @@ private:
         return (!part.beyond.empty() && isBetweenTwo(part)) || isBeforeFreeWall(id, part);
     }
 
+    // Pieces of one wall, also where a hand laid them so much out of line that they have sides of their own.
+    static bool inOneRow(const WallPiece& p, const WallPiece& q) {
+        const glm::dvec2 d = glm::normalize(p.b - p.a), e = glm::normalize(q.b - q.a),
+                         between = 0.5 * (q.a + q.b - p.a - p.b);
+        return p.line == q.line ||
+               (std::abs(cross(d, e)) <= kParallelSine &&
+                std::max(std::abs(cross(d, between)), std::abs(cross(e, between))) < kOffRow);
+    }
+
     bool isBetweenTwo(const Part& part) const {
-        std::set<int> sides;
+        std::vector<const WallPiece*> rows;
         glm::dvec2 along{0};
         for (const auto& [face, length] : part.walls) {
             const WallPiece& wall = wallOf(face);
             if (length < kLeast) continue;
             if (wall.curved) return false;
             const glm::dvec2 d = glm::normalize(wall.b - wall.a);
-            if (sides.empty()) along = d;
+            if (rows.empty()) along = d;
             if (std::abs(cross(along, d)) > kParallelSine) return false;
-            sides.insert(wall.line);
+            if (std::ranges::none_of(rows, [&](const WallPiece* row) { return inOneRow(*row, wall); }))
+                rows.push_back(&wall);
         }
-        return sides.size() == 2 && isOpenAtBothEnds(part, along, kLeast, true);
+        return rows.size() == 2 && isOpenAtBothEnds(part, along, kLeast, true);
     }
 
     // Between one straight wall and walls of other rooms, however these are bent, a door's width from them at
@@ -121,7 +133,7 @@ private:
         for (const auto& [face, length] : part.walls) {
             if (length < kLeast || isSeenFromBehind(id, face)) continue;
             const WallPiece& wall = wallOf(face);
-            if (wall.curved || (own && own->line != wall.line)) return false;
+            if (wall.curved || (own && !inOneRow(*own, wall))) return false;
             own = &wall;
         }
         return own && isOpenAtBothEnds(part, glm::normalize(own->b - own->a), kDoor, !part.beyond.empty());
