@@ -10,6 +10,7 @@
 #include "geometry/air_pocket.h"
 #include "geometry/counted.h"
 #include "geometry/crossing_solids.h"
+#include "geometry/double_glazing.h"
 #include "geometry/doubled_faces.h"
 #include "geometry/doubled_glass.h"
 #include "geometry/face_soup.h"
@@ -47,6 +48,8 @@ constexpr double kMostRounding = 2e-4; // of the extent: 1 mm in a room of 5 m
 // Metres of building: sheets in rooms are boards of that thickness, or lie on walls no farther behind.
 constexpr double kBoard = 1e-3, kNearWall = 0.02;
 constexpr double kBoardOfTolerance = 8; // at least
+// Panes in one frame are no farther apart; two windows with a sill between them are.
+constexpr double kBetweenPanes = 0.1;
 
 class ModelImporter {
 public:
@@ -104,6 +107,17 @@ public:
             if (onPane) throw InputError(*onPane);
             throw;
         }
+    }
+
+    void joinPanes(Building& made) const {
+        const double scale = reading_.worldPerBuilding(made.vertices);
+        const DoubleGlazing joined = geometry::joinPanes(made, kBetweenPanes * scale, reading_.tolerance());
+        if (joined.spaces > 0)
+            made.repairs.push_back(
+                fmt::format("{} between panes (up to {:.2g} m deep) {}: each such window is one "
+                            "that transmits the product of its panes",
+                            counted(joined.spaces, "space"), joined.deepest / scale,
+                            joined.spaces == 1 ? "is no room" : "are no rooms"));
     }
 
     bool isMostOfWalls(const Building& made) const { return 2 * insidesOfWalls(made) > made.roomCount; }
@@ -298,6 +312,7 @@ Building importModel(const std::filesystem::path& file, UpAxis up, const ImportO
     try {
         Building made = importer.import();
         importer.refuseInsideOfWalls(made);
+        importer.joinPanes(made);
         return made;
     } catch (const InputError& wrong) {
         for (const double apart : kRoundingApart) {
@@ -312,6 +327,7 @@ Building importModel(const std::filesystem::path& file, UpAxis up, const ImportO
                                                     "{:.2g} m was taken to touch",
                                                     importer.reading().inBuilding(step),
                                                     importer.reading().inBuilding(apart * step)));
+                roughly.joinPanes(made);
                 return made;
             } catch (const InputError&) { // what was wrong before says more
             }

@@ -1,8 +1,12 @@
 #include "compute/daylight/glazing.h"
 
 #include <cmath>
+#include <tuple>
+#include <utility>
 
 #include <gtest/gtest.h>
+
+#include "compute/daylight/quadrature.h"
 
 namespace heliodon::daylight {
 namespace {
@@ -43,6 +47,31 @@ TEST(Glazing, without_absorption_follows_fresnel_alone) {
     EXPECT_NEAR(slabTransmittance(c, 1, n), 0.5 * (1 + (1 - r1) / (1 + r1)), 1e-14);
     EXPECT_NEAR(maximumTransmittance(1.52), 0.91832, 5e-6);
     EXPECT_NEAR(slabTransmittance(1, 1, 1.52), maximumTransmittance(1.52), 1e-14);
+}
+
+// Light runs to and fro between the two panes of a window; geometry/double_glazing.h takes them as one slab.
+TEST(Glazing, one_slab_stands_for_two) {
+    const double n = 1.52;
+    for (const auto& [a, b] : {std::pair(0.9, 0.9), {0.8, 0.8}, {0.88, 0.6}, {0.3, 0.3}, {0.88, 0.2}}) {
+        const double ta = transmissivityFromNormal(a, n), tb = transmissivityFromNormal(b, n);
+        const auto two = [&](double c) {
+            return slabTransmittance(c, ta, n) * slabTransmittance(c, tb, n) /
+                   (1 - slabReflectance(c, ta, n) * slabReflectance(c, tb, n));
+        };
+        const Glazing one = glazingOf(pane(static_cast<float>(a * b)));
+        for (const auto& [degrees, least, most] :
+             {std::tuple(0.0, 0.991, 0.999), {20.0, 0.991, 0.999}, {40.0, 0.991, 1.0}, {60.0, 1.04, 1.07}}) {
+            const double c = std::cos(degrees * 3.141592653589793 / 180),
+                         ratio = one.transmittance(c).x / two(c);
+            EXPECT_GT(ratio, least) << a << ' ' << b << ' ' << degrees;
+            EXPECT_LT(ratio, most) << a << ' ' << b << ' ' << degrees;
+        }
+        double diffuse = 0;
+        for (const auto& [c, w] : kGauss24) diffuse += w * 2.0 * c * two(c);
+        const double ratio = one.diffuseTransmittance().x / diffuse;
+        EXPECT_GT(ratio, 1.02);
+        EXPECT_LT(ratio, 1.031);
+    }
 }
 
 TEST(Glazing, falls_to_nothing_at_grazing_and_never_passes_more_than_one) {

@@ -1,0 +1,129 @@
+// Panes one behind the other are one window of the room before them.
+#include "geometry/double_glazing.h"
+
+#include <algorithm>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "geometry/room_measures.h"
+#include "tests/geometry/sheet_drawing.h"
+
+namespace heliodon::geometry {
+
+namespace {
+
+constexpr double kGap = 0.012;
+
+// What joins the window of Drawing::room() with panes `depth` apart before it, and these.
+void panesBefore(Drawing& drawing, std::vector<double> depths, double left = 0) {
+    const std::array<dvec3, 4> pane{dvec3(left + 1, 0.8, 0), dvec3(left + 3, 0.8, 0), dvec3(left + 3, 2, 0),
+                                    dvec3(left + 1, 2, 0)};
+    double from = 0;
+    for (const double to : depths) {
+        std::vector<dvec3> outer;
+        for (size_t k = 0; k < 4; ++k) {
+            const dvec3 a = pane[k] - dvec3(0, 0, from), b = pane[(k + 1) % 4] - dvec3(0, 0, from),
+                        out(0, 0, from - to);
+            drawing.face("wall", {a, b, b + out, a + out});
+            outer.push_back(a + out);
+        }
+        drawing.face("glass", outer);
+        from = to;
+    }
+}
+
+const Material& glassOf(const Building& building) {
+    const auto pane = std::ranges::find_if(
+        building.faces, [&](const Face& face) { return building.materials[face.material].isOpening(); });
+    return building.materials[pane->material];
+}
+
+bool isRepaired(const Building& building, const std::string& how) {
+    return std::ranges::any_of(building.repairs,
+                               [&](const std::string& repair) { return repair.starts_with(how); });
+}
+
+} // namespace
+
+TEST(DoubleGlazing, is_one_window_of_the_product) {
+    for (const bool triangles : {false, true}) {
+        Drawing drawing(false);
+        drawing.triangles = triangles;
+        drawing.room(0, -1, true);
+        panesBefore(drawing, {kGap});
+        const Building building = drawing.read();
+        EXPECT_EQ(building.roomCount, 1u);
+        EXPECT_EQ(countPanes(meshBuilding(building, {300})).windows, 1);
+        EXPECT_NEAR(volume(meshBuilding(building, {300})), 50, 1e-4);
+        EXPECT_NEAR(glassOf(building).transmittance.x, 0.64, 1e-6);
+        EXPECT_EQ(glassOf(building).name, "glass"); // as no other pane is of it: for --blinds
+        EXPECT_EQ(building.materials.size(), 3u);
+        EXPECT_TRUE(isRepaired(building, "1 space between panes (up to 0.012 m deep) is no room"));
+        // The frame between the panes is a reveal.
+        ASSERT_EQ(building.outside.triangles.size(), 24u);
+        EXPECT_EQ(building.outside.material.size(), 8u);
+        double farthest = 0;
+        for (const dvec3& p : building.outside.vertices) farthest = std::min(farthest, p.z);
+        EXPECT_NEAR(farthest, -kGap, 1e-9);
+    }
+}
+
+TEST(DoubleGlazing, of_three_panes_is_one_window_and_single_panes_keep_their_glass) {
+    Drawing drawing(false);
+    drawing.room(0, -1, true), drawing.room(6, -1, true);
+    panesBefore(drawing, {kGap, 2 * kGap});
+    const Building building = drawing.read();
+    EXPECT_EQ(building.roomCount, 2u);
+    EXPECT_TRUE(isRepaired(building, "2 spaces between panes"));
+    std::vector<std::pair<std::string, double>> glasses;
+    for (const Face& face : building.faces)
+        if (const Material& material = building.materials[face.material]; material.isOpening()) {
+            EXPECT_EQ(face.twin, kNoTwin);
+            glasses.emplace_back(material.name, material.transmittance.x);
+        }
+    std::ranges::sort(glasses);
+    ASSERT_EQ(glasses.size(), 2u);
+    EXPECT_EQ(glasses[0].first, "glass");
+    EXPECT_NEAR(glasses[0].second, 0.8, 1e-6);
+    EXPECT_EQ(glasses[1].first, "glass+glass+glass");
+    EXPECT_NEAR(glasses[1].second, 0.512, 1e-6);
+}
+
+// Two rooms with a common wall that has two panes, and one with a window.
+TEST(DoubleGlazing, between_two_rooms_is_an_interior_window) {
+    Drawing drawing(false);
+    drawing.room(0, -1, true);
+    panesBefore(drawing, {kGap});
+    const dvec3 o(0, 0, -kGap), z(0, 0, -3), x(4, 0, 0), y(0, 2.5, 0);
+    drawing.sheet(o, x, z), drawing.sheet(o + y, z, x), drawing.sheet(o, z, y), drawing.sheet(o + x, y, z);
+    drawing.sheet(o + z, y, x, "glass");
+    const std::array<dvec3, 4> wall{o, o + x, o + x + y, o + y},
+        pane{o + dvec3(1, 0.8, 0), o + dvec3(3, 0.8, 0), o + dvec3(3, 2, 0), o + dvec3(1, 2, 0)};
+    for (size_t k = 0; k < 4; ++k)
+        drawing.face("wall", {wall[(k + 1) % 4], wall[k], pane[k], pane[(k + 1) % 4]});
+    const Building building = drawing.read();
+    EXPECT_EQ(building.roomCount, 2u);
+    size_t twins = 0;
+    for (const Face& face : building.faces) {
+        if (face.twin == kNoTwin) continue;
+        ++twins;
+        const Face& other = building.faces[static_cast<size_t>(face.twin)];
+        EXPECT_NE(face.room, other.room);
+        EXPECT_EQ(&building.faces[static_cast<size_t>(other.twin)], &face);
+        EXPECT_NEAR(building.materials[face.material].transmittance.x, 0.64, 1e-6);
+    }
+    EXPECT_EQ(twins, 2u);
+    EXPECT_EQ(countPanes(meshBuilding(building, {300})).windows, 2);
+}
+
+TEST(DoubleGlazing, panes_a_sill_apart_stay_two_windows) {
+    Drawing drawing(false);
+    drawing.room(0, -1, true);
+    panesBefore(drawing, {0.2});
+    const Building building = drawing.read();
+    EXPECT_EQ(building.roomCount, 2u);
+    EXPECT_NEAR(glassOf(building).transmittance.x, 0.8, 1e-6);
+}
+
+} // namespace heliodon::geometry
