@@ -24,7 +24,7 @@
 #include "geometry/sheet_rooms.h"
 #include "geometry/shell_faces.h"
 #include "geometry/shell_nesting.h"
-#include "geometry/triangle_rays.h"
+#include "geometry/solid_rays.h"
 
 namespace heliodon::geometry {
 
@@ -88,22 +88,6 @@ private:
         bool isClosed = true, hasGlass = false;
         double volume = 0; // as volumeWithin() has it
         std::vector<ShellTriangle> triangles;
-    };
-
-    class Solid {
-    public:
-        Solid(const std::vector<ShellTriangle>& triangles, double tolerance)
-            : box_{triangles[0].a, triangles[0].a}, rays_(triangles, tolerance) {
-            for (const ShellTriangle& t : triangles)
-                for (const dvec3 p : {t.a, t.b, t.c}) box_ = united(box_, {p, p});
-        }
-        const Bounds& box() const { return box_; }
-        bool enclose(dvec3 p) const { return box_.isNear({p, p}, 0) && rays_.enclose(p); }
-        bool isAbove(dvec3 p) const { return rays_.anyWithin(p, {0, 1, 0}, box_.high.y - box_.low.y); }
-
-    private:
-        Bounds box_;
-        TriangleRays rays_;
     };
 
     // What rounding puts on corners turns the triangles of a narrow side by 1e-4 and more, and cuts along
@@ -307,10 +291,9 @@ private:
     // Of those through walls the ones that meet no solid outside, which would be open without them.
     void findIndoor() {
         std::vector<uint32_t> bodies;
-        for (const auto& [body, solid] : solids_) bodies.push_back(body);
-        DisjointSets clusters(bodies.size());
         std::vector<Bounds> boxes;
-        for (const auto& [body, solid] : solids_) boxes.push_back(solid.box());
+        for (const auto& [body, solid] : solids_) bodies.push_back(body), boxes.push_back(solid.box());
+        DisjointSets clusters(bodies.size());
         const BoxTree tree(boxes);
         for (uint32_t k = 0; k < boxes.size(); ++k)
             tree.anyHolding(boxes[k].high + tolerance_, boxes[k].low - tolerance_, [&](uint32_t i) {
@@ -421,7 +404,7 @@ private:
         return largestTriangle(piece).middle() + tolerances * tolerance_ * piece.normal;
     }
 
-    bool isMuchOutside(const Solid& solid) const {
+    bool isMuchOutside(const SolidRays& solid) const {
         int all = 0, beyond = 0;
         for (int k = 0; k < kSteps * kSteps * kSteps; ++k) {
             const dvec3 step(k % kSteps, k / kSteps % kSteps, k / kSteps / kSteps),
@@ -434,13 +417,24 @@ private:
         return beyond > kMuchOutside * all;
     }
 
-    // What lies on another surface that looks the same way is the earlier body's.
+    // What lies on another surface that looks the same way is the earlier body's. Of what only comes near one,
+    // where both part at a small angle, its own place tells.
     bool isCovered(const FlatFace& piece, uint32_t body) const {
-        const dvec3 middle = largestTriangle(piece).middle(), off = 2 * tolerance_ * piece.normal;
         return std::ranges::any_of(meets_, [&](uint32_t other) {
             if (other == body) return false;
-            const Solid& solid = solids_.at(other);
-            return solid.enclose(middle + off) || (other < body && solid.enclose(middle - off));
+            const SolidRays& solid = solids_.at(other);
+            const bool before = solid.enclose(off(piece, 2)), behind = solid.enclose(off(piece, -2));
+            if (before != behind && !liesOn(piece, other)) return solid.enclose(off(piece, 0));
+            return before || (behind && other < body);
+        });
+    }
+
+    bool liesOn(const FlatFace& piece, uint32_t body) const {
+        const dvec3 p = off(piece, 0);
+        if (isThin(largestTriangle(piece), 2 * tolerance_)) return true; // as good as
+        return tree_->anyHolding(p, p, [&](uint32_t i) {
+            return body_[i] == body && std::abs(faces_[i].height(p)) <= 2 * tolerance_ &&
+                   std::abs(glm::dot(piece.normal, faces_[i].normal)) > kOnePlaneCosine;
         });
     }
 
@@ -450,7 +444,7 @@ private:
     double tolerance_, told_;     // the latter: of what runs no farther into others nothing is said
     std::vector<FlatFace> faces_; // surface: the number among those given
     std::vector<uint32_t> body_;  // per flat face
-    std::map<uint32_t, Solid> solids_;
+    std::map<uint32_t, SolidRays> solids_;
     std::set<uint32_t> ground_;           // bodies
     std::set<uint32_t> meets_;            // bodies that meet others
     std::optional<SheetRooms> rooms_;     // where solids run through their walls

@@ -1,6 +1,7 @@
 // Where a ray meets a triangle, after T. Moller and B. Trumbore (1997).
 #pragma once
 
+#include <algorithm>
 #include <optional>
 
 #include <glm/geometric.hpp>
@@ -12,6 +13,13 @@ struct ShellTriangle {
 
     glm::dvec3 middle() const { return (a + b + c) / 3.0; }
 };
+
+// Whether its height over its longest side is `height` at most.
+inline bool isThin(const ShellTriangle& t, double height) {
+    const double longest =
+        std::max({glm::distance(t.a, t.b), glm::distance(t.b, t.c), glm::distance(t.c, t.a)});
+    return glm::length(glm::cross(t.b - t.a, t.c - t.a)) <= height * longest;
+}
 
 // No one's normal or edge: how often rays along it pass through a closed shell tells inside from outside.
 constexpr glm::dvec3 kOddWay{0.5773, 0.6491, 0.4963};

@@ -243,8 +243,8 @@ TEST(CrossingSolids, furniture_may_be_sunk_into_the_sheets_of_a_room) {
     }
 }
 
-// The block was taken for the ground, as the cupboard is small, and for walls of the room, whose floor has its
-// middle under it.
+// The block was taken for the ground, as the cupboard is small, and for walls of the room, whose floor has
+// its middle under it.
 TEST(CrossingSolids, a_block_beside_furniture_is_no_ground_and_no_wall_round_the_room) {
     Drawing drawing(false);
     drawing.room(0, -1, true);
@@ -307,6 +307,44 @@ TEST(CrossingSolids, a_house_of_one_piece_is_not_the_ground) {
     const Building building = drawing.read();
     EXPECT_EQ(building.roomCount, 1u);
     EXPECT_NEAR(volume(meshBuilding(building, {300})), 50 + kNiche - 0.58 * 2 * 0.6, 1e-4);
+}
+
+// The ends of treads, a little farther out than the flat sides of the column, leave these at small angles.
+TEST(CrossingSolids, a_spiral_stair_in_triangles_is_as_in_polygons) {
+    const double quarter = 0.5 * 3.141592653589793;
+    const auto prism = [](Drawing& drawing, const std::vector<std::pair<double, double>>& polar, double low,
+                          double high) {
+        std::vector<dvec3> base, top;
+        for (const auto& [radius, angle] : polar) {
+            base.emplace_back(2 + radius * std::cos(angle), low, 3 + radius * std::sin(angle));
+            top.push_back(base.back() + dvec3(0, high - low, 0));
+        }
+        drawing.face("wall", base), drawing.face("wall", {top.rbegin(), top.rend()});
+        for (size_t k = 0; k < base.size(); ++k) {
+            const size_t next = (k + 1) % base.size();
+            drawing.face("wall", {base[next], base[k], top[k], top[next]});
+        }
+    };
+    for (const double turn : {0.0, 0.1, 0.2, 0.3}) {
+        double size[2] = {};
+        for (const bool triangles : {false, true}) {
+            Drawing drawing(false);
+            drawing.triangles = triangles;
+            drawing.room(0, -1, true);
+            std::vector<std::pair<double, double>> ring;
+            for (int k = 0; k < 12; ++k) ring.emplace_back(0.08, k * quarter / 3);
+            prism(drawing, ring, 0.1, 2.4);
+            for (int k = 0; k < 14; ++k) {
+                const double from = turn + k * quarter / 4, to = from + 1.15 * quarter / 4,
+                             y = 0.15 * (k + 1);
+                prism(drawing, {{0.0784, from}, {1, from}, {1, 0.5 * (from + to)}, {1, to}, {0.0784, to}}, y,
+                      y + 0.04);
+            }
+            size[triangles] = volume(meshBuilding(drawing.read(), {300}));
+        }
+        EXPECT_NEAR(size[0], size[1], 1e-6) << turn;
+        EXPECT_NEAR(size[1], 49.83124, 1e-4);
+    }
 }
 
 TEST(CrossingSolids, without_glass_they_may_be_rooms) {
