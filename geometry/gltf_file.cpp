@@ -1,7 +1,7 @@
 // glTF 2.0 (.gltf, .glb) through tinygltf: triangles of every mesh node of the default scene, materials after
 // KHR_materials_transmission, KHR_materials_ior and KHR_materials_emissive_strength, blinds after
 // extras.blinds of a material, asset.extras.north_deg and .twins, positions after KHR_mesh_quantization.
-// Textures are not read.
+// Of base colour textures the mean.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -24,62 +24,16 @@
 #pragma GCC diagnostic pop
 
 #include "geometry/gltf_fields.h"
+#include "geometry/gltf_materials.h"
 #include "geometry/input_error.h"
 #include "geometry/last_decimal.h"
 #include "geometry/raw_model.h"
 #include "geometry/text_file.h"
+#include "geometry/texture_mean.h"
 
 namespace heliodon::geometry {
 
 namespace {
-
-double extensionNumber(const tinygltf::Material& material, const char* extension, const char* field,
-                       double otherwise) {
-    const auto found = material.extensions.find(extension);
-    if (found == material.extensions.end() || !found->second.Has(field)) return otherwise;
-    return found->second.Get(field).GetNumberAsDouble();
-}
-
-constexpr const char* kSpecularGlossiness = "KHR_materials_pbrSpecularGlossiness";
-
-// The same as the base colour of a material that has no metal, in older files.
-const tinygltf::Value* diffuse(const tinygltf::Material& in, const char* field) {
-    const auto found = in.extensions.find(kSpecularGlossiness);
-    return found != in.extensions.end() && found->second.Has(field) ? &found->second.Get(field) : nullptr;
-}
-
-bool hasColour(const tinygltf::Material& in) { // else the loader fills in the default
-    return in.values.contains("baseColorFactor") || diffuse(in, "diffuseFactor");
-}
-
-// Red, green, blue and opacity.
-std::vector<double> colourOf(const tinygltf::Material& in) {
-    const tinygltf::Value* stated = diffuse(in, "diffuseFactor");
-    if (!stated) return in.pbrMetallicRoughness.baseColorFactor;
-    std::vector<double> colour;
-    for (size_t c = 0; c < stated->ArrayLen(); ++c)
-        colour.push_back(stated->Get(static_cast<int>(c)).GetNumberAsDouble());
-    return colour;
-}
-
-// What is transmitted is tinted by the base colour, the rest of it is reflected.
-constexpr MaterialFields kFields{"baseColorFactor", "transmissionFactor", "emissiveFactor", "ior"};
-
-Material materialOf(const tinygltf::Material& in) {
-    Material out;
-    out.name = in.name;
-    const std::vector<double> base = colourOf(in);
-    const double transmission = extensionNumber(in, "KHR_materials_transmission", "transmissionFactor", 0);
-    const double strength = extensionNumber(in, "KHR_materials_emissive_strength", "emissiveStrength", 1);
-    for (int c = 0; c < 3; ++c) {
-        const auto channel = static_cast<size_t>(c);
-        out.reflectance[c] = static_cast<float>(base.at(channel) * (1 - transmission));
-        out.transmittance[c] = static_cast<float>(base.at(channel) * transmission);
-        out.exitance[c] = static_cast<float>(in.emissiveFactor.at(channel) * strength);
-    }
-    out.refractiveIndex = static_cast<float>(extensionNumber(in, "KHR_materials_ior", "ior", 1.52));
-    return out;
-}
 
 class GltfReader {
 public:
@@ -98,9 +52,13 @@ public:
         };
         loader.SetFsCallbacks(
             {isFile, tinygltf::ExpandFilePath, tinygltf::ReadWholeFile, tinygltf::WriteWholeFile, nullptr});
-        loader.SetImageLoader([](auto*, int, std::string*, std::string*, int, int, const unsigned char*, int,
-                                 void*) { return true; },
-                              nullptr);
+        loader.SetImageLoader(
+            [](tinygltf::Image* image, int, std::string*, std::string*, int, int, const unsigned char* data,
+               int size, void*) {
+                if (image->bufferView < 0) image->image.assign(data, data + size); // as it is in its file
+                return true;
+            },
+            nullptr);
         std::string errors, warnings;
         const std::string beside = file.parent_path().string();
         const auto size = static_cast<unsigned>(bytes.size());
@@ -132,10 +90,16 @@ public:
         readTwins();
         for (size_t i = 0; i < in_.materials.size(); ++i) {
             checkColour(i);
-            Material material = materialOf(in_.materials[i]);
+            const auto [texture, field] = textureOf(in_.materials[i]);
+            const std::optional<glm::vec3> mean = texture < 0 ? std::nullopt : meanOf(in_, texture);
+            Material material = materialOf(in_.materials[i], mean.value_or(glm::vec3(1)));
             readBlind(i, material);
             if (material.name.empty()) material.name = fmt::format("material{}", i);
-            if (!hasColour(in_.materials[i]) && !material.isOpening()) {
+            if (mean) {
+                out_.assumed[static_cast<uint32_t>(i)] =
+                    textureTaken(material.name, material.reflectance + material.transmittance,
+                                 fmt::format("{} in {}", field, out_.file));
+            } else if (!hasColour(in_.materials[i]) && !material.isOpening()) {
                 // The format's default, 1, is no reflectance; lamps get none, as in an .obj.
                 const float assumed = material.exitance == glm::vec3(0) ? 0.5f : 0.0f;
                 material.reflectance = glm::vec3(assumed);
@@ -143,16 +107,14 @@ public:
                     fmt::format("material \"{}\" has no baseColorFactor: a reflectance of {} was assumed",
                                 material.name, assumed);
             }
-            MaterialFields fields = kFields;
+            MaterialFields fields = kGltfFields;
             if (diffuse(in_.materials[i], "diffuseFactor")) fields.reflectance = "diffuseFactor";
             if (auto flaw = flawOf(material, fields, out_.file, fmt::format("materials[{}]", i))) {
                 flaw->material = static_cast<uint32_t>(i);
                 out_.flaws.push_back(*flaw);
             }
-            if (diffuse(in_.materials[i], "diffuseTexture"))
-                out_.unread[static_cast<uint32_t>(i)] = "diffuseTexture in " + out_.file;
-            else if (in_.materials[i].pbrMetallicRoughness.baseColorTexture.index >= 0)
-                out_.unread[static_cast<uint32_t>(i)] = "baseColorTexture in " + out_.file;
+            if (texture >= 0 && !mean)
+                out_.unread[static_cast<uint32_t>(i)] = fmt::format("{} in {}", field, out_.file);
             const double opacity = colourOf(in_.materials[i]).at(3);
             if (in_.materials[i].alphaMode == "BLEND" && opacity < 1 && !material.isOpening())
                 out_.doubts[static_cast<uint32_t>(i)] =

@@ -14,9 +14,12 @@
 
 #include "geometry/input_error.h"
 #include "geometry/lower_case.h"
+#include "geometry/named_files.h"
 #include "geometry/number_text.h"
+#include "geometry/picture_file.h"
 #include "geometry/raw_model.h"
 #include "geometry/text_file.h"
+#include "geometry/texture_mean.h"
 
 namespace heliodon::geometry {
 
@@ -118,6 +121,15 @@ bool isAlike(const Material& a, const Material& b) {
            a.refractiveIndex == b.refractiveIndex && a.exitance == b.exitance && a.blind == b.blind;
 }
 
+// Of "brick.png", also after options as "-s 2 2 1"; `file`: that names it.
+std::optional<glm::vec3> meanOf(const std::string& texture, const std::string& file) {
+    const std::filesystem::path folder = std::filesystem::path(file).parent_path();
+    for (const std::string& name : {texture, texture.substr(texture.rfind(' ') + 1)})
+        for (const auto find : {fileAt, fileBeside})
+            if (const auto picture = find(folder, unquoted(name))) return textureMean(bytesOf(*picture));
+    return std::nullopt;
+}
+
 void finishMaterial(const MaterialDraft& draft, const std::string& file, RawModel& model,
                     MaterialIndex& index) {
     Material material = draft.material;
@@ -128,7 +140,16 @@ void finishMaterial(const MaterialDraft& draft, const std::string& file, RawMode
             "material \"{}\" has d 1 and Kd, and Tf 1 1 1: it was taken as opaque", material.name);
     }
     const bool active = material.isOpening() || material.exitance != glm::vec3(0);
-    if (!draft.hasKd && !active) {
+    const bool isWhite = draft.hasKd && material.reflectance == glm::vec3(1);
+    const std::string picture =
+        draft.texture.empty() ? "" : fmt::format("map_Kd {} in {}", draft.texture, file);
+    // Programs that state another colour beside it mean either both of them or one.
+    const auto mean =
+        picture.empty() || active || (draft.hasKd && !isWhite) ? std::nullopt : meanOf(draft.texture, file);
+    if (mean) {
+        material.reflectance = *mean;
+        model.assumed[number] = textureTaken(material.name, *mean, picture);
+    } else if (!draft.hasKd && !active) {
         material.reflectance = glm::vec3(0.5f);
         model.assumed[number] =
             fmt::format("material \"{}\" has no Kd: a reflectance of 0.5 was assumed", material.name);
@@ -146,7 +167,7 @@ void finishMaterial(const MaterialDraft& draft, const std::string& file, RawMode
             fmt::format("material \"{}\" has blinds but lets no light through (Tf)", material.name));
     if (draft.opacity.value_or(1) < 1 && !material.isOpening())
         model.doubts[number] = seeThroughButOpaque(material.name, *draft.opacity, "transmittance (Tf)");
-    if (!draft.texture.empty()) model.unread[number] = draft.texture;
+    if (!picture.empty() && !mean) model.unread[number] = picture;
     if (const auto before = index.find(material.name);
         before != index.end() && !isAlike(material, model.materials[before->second])) {
         std::string& doubt = model.doubts[number];
@@ -204,7 +225,7 @@ void readMtl(const std::filesystem::path& file, RawModel& model, MaterialIndex& 
         } else if ((key == "d" || key == "Tr") && draft) {
             draft->opacity = readOpacity(key == "Tr", lines);
         } else if (key == "map_Kd" && draft) {
-            draft->texture = fmt::format("map_Kd {} in {}", lines.remainder(), lines.file());
+            draft->texture = lines.remainder();
         } else if (key == "blinds") {
             try {
                 draft->material.blind = parseBlind(lines.remainder());
@@ -234,42 +255,6 @@ uint32_t readIndex(std::string_view text, size_t vertexCount, const Lines& lines
     return static_cast<uint32_t>(value > 0 ? value - 1 : count + value);
 }
 
-bool isFile(const std::filesystem::path& file) {
-    std::error_code ignored;
-    return std::filesystem::is_regular_file(file, ignored);
-}
-
-std::string unquoted(const std::string& name) {
-    const bool quoted = name.size() > 1 && name.front() == '"' && name.back() == '"';
-    return quoted ? name.substr(1, name.size() - 2) : name;
-}
-
-std::string withSlashes(std::string name) {
-    std::ranges::replace(name, '\\', '/');
-    return name;
-}
-
-// As written, or with Windows' backslashes.
-std::optional<std::filesystem::path> libraryAt(const std::filesystem::path& folder, const std::string& name) {
-    for (const std::string& way : {name, withSlashes(name)})
-        if (isFile(folder / way)) return folder / way;
-    return std::nullopt;
-}
-
-// As paths of another machine mean it: the file of that name beside the model, in capitals or not.
-std::optional<std::filesystem::path> libraryBeside(const std::filesystem::path& folder,
-                                                   const std::string& name) {
-    const std::string last = lowered(std::filesystem::path(withSlashes(name)).filename().string());
-    std::optional<std::filesystem::path> found; // the first by name
-    std::error_code failed;
-    for (std::filesystem::directory_iterator entry(folder.empty() ? "." : folder, failed), end;
-         !failed && entry != end; entry.increment(failed)) {
-        const std::string own = lowered(entry->path().filename().string());
-        if (own == last && isFile(entry->path()) && (!found || entry->path() < *found)) found = entry->path();
-    }
-    return found;
-}
-
 // What stands behind "mtllib": one file, whose name may hold blanks, or several. `whole` becomes what was
 // written; no files where one of them is missing.
 std::vector<std::filesystem::path> librariesOf(Lines& lines, const std::filesystem::path& folder,
@@ -285,11 +270,10 @@ std::vector<std::filesystem::path> librariesOf(Lines& lines, const std::filesyst
         return files.size() == names.size();
     };
     const auto anyhow = [](const std::filesystem::path& in, const std::string& name) {
-        const auto there = libraryAt(in, name);
-        return there ? there : libraryBeside(in, name);
+        const auto there = fileAt(in, name);
+        return there ? there : fileBeside(in, name);
     };
-    if (!findAll({whole}, libraryAt) && !findAll(words, anyhow) && !findAll({whole}, libraryBeside))
-        files.clear();
+    if (!findAll({whole}, fileAt) && !findAll(words, anyhow) && !findAll({whole}, fileBeside)) files.clear();
     return files;
 }
 

@@ -13,19 +13,17 @@
 #include <glm/geometric.hpp>
 
 #include "geometry/segment_distance.h"
+#include "geometry/srgb.h"
 
 namespace heliodon::geometry {
 
 namespace {
 
-// Linear reflectance of a paint chip: sRGB 0..255 per channel (IEC 61966-2-1), clamped below 0.95.
+// Linear reflectance of a paint chip: sRGB 0..255 per channel, clamped below 0.95.
 glm::vec3 chipReflectance(const std::array<double, 3>& rgb) {
     glm::vec3 out;
-    for (int c = 0; c < 3; ++c) {
-        const double s = rgb[static_cast<size_t>(c)] / 255;
-        const double linear = s <= 0.04045 ? s / 12.92 : std::pow((s + 0.055) / 1.055, 2.4);
-        out[c] = static_cast<float>(std::min(linear, 0.949));
-    }
+    for (int c = 0; c < 3; ++c)
+        out[c] = static_cast<float>(std::min(linearOfSrgb(rgb[static_cast<size_t>(c)]), 0.949));
     return out;
 }
 

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <filesystem>
 #include <fstream>
 #include <limits>
 #include <string>
@@ -11,10 +12,12 @@
 #include <glm/geometric.hpp>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
+#include <unistd.h>
 
 #include "geometry/input_error.h"
 #include "geometry/mesher.h"
 #include "geometry/model_file.h"
+#include "geometry/picture_file.h"
 #include "geometry/raw_model.h"
 #include "tests/geometry/mesh_volume.h"
 
@@ -278,6 +281,41 @@ TEST(GltfScene, a_material_without_colour_gets_what_it_gets_in_an_obj_and_one_of
     expectRefused(scene, "reflectance (baseColorFactor) is 1");
     scene["materials"] = json::parse(R"([{"pbrMetallicRoughness":{"baseColorFactor":[0.2,0.3,0.4]}}])");
     expectRefused(scene, "materials[0].pbrMetallicRoughness.baseColorFactor: has 3 numbers, expected 4");
+}
+
+TEST(GltfScene, a_texture_multiplies_the_colour_by_its_mean) {
+    const std::vector<uint8_t> pixels{188, 188, 188, 90, 90, 90}; // 0.50 and 0.10
+    const std::filesystem::path file = testing::TempDir() + fmt::format("texture-{}.png", ::getpid());
+    writePngFile(file, 2, 1, pixels.data());
+    const std::vector<uint8_t> png = bytesOf(file);
+    json scene = roomScene(kOneNode);
+    scene["meshes"][0]["primitives"][0]["material"] = 0;
+    scene["textures"] = json::parse(R"([{"source":0}])");
+    const auto expectColour = [&](const char* colour, float red, const char* field) {
+        scene["materials"] = json::parse(colour);
+        const Building building = importModel(written(scene));
+        EXPECT_NEAR(building.materials[building.faces[0].material].reflectance.x, red, 1e-3) << colour;
+        EXPECT_TRUE(building.warnings.empty());
+        ASSERT_EQ(building.repairs.size(), 1u);
+        EXPECT_NE(building.repairs[0].find(std::string("with the mean of ") + field), std::string::npos);
+    };
+    const std::string data = "data:image/png;base64," + base64({png.begin(), png.end()});
+    for (const std::string& uri : {data, file.filename().string()}) {
+        scene["images"] = json::array({{{"uri", uri}}});
+        expectColour(R"([{"pbrMetallicRoughness":{"baseColorTexture":{"index":0}}}])", 0.302f,
+                     "baseColorTexture");
+        expectColour(
+            R"([{"pbrMetallicRoughness":{"baseColorFactor":[0.5,1,1,1],"baseColorTexture":{"index":0}}}])",
+            0.151f, "baseColorTexture");
+        expectColour(
+            R"([{"extensions":{"KHR_materials_pbrSpecularGlossiness":{"diffuseTexture":{"index":0}}}}])",
+            0.302f, "diffuseTexture");
+    }
+    scene["images"] = json::array({{{"bufferView", 0}, {"mimeType", "image/png"}}}); // of numbers
+    EXPECT_EQ(importModel(written(scene)).warnings.size(), 1u);
+    scene["images"] = json::array({{{"uri", "none.png"}}});
+    EXPECT_EQ(importModel(written(scene)).warnings.size(), 1u);
+    std::filesystem::remove(file);
 }
 
 TEST(GltfScene, colours_that_are_not_read_are_warned_of) {

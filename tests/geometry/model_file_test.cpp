@@ -15,6 +15,7 @@
 #include "geometry/face_soup.h"
 #include "geometry/input_error.h"
 #include "geometry/mesher.h"
+#include "geometry/picture_file.h"
 #include "geometry/raw_model.h"
 
 using namespace heliodon::geometry;
@@ -556,6 +557,34 @@ TEST_F(ModelFile, damaged_glb_is_refused_not_read_past_its_end) {
     const std::string whole((std::istreambuf_iterator<char>(in)), {});
     for (size_t length = 0; length < whole.size(); length += 7)
         EXPECT_THROW(readPatches(write("cut.glb", whole.substr(0, length))), InputError) << length;
+}
+
+// 188 of 255 in sRGB is 0.50, 90 is 0.10.
+TEST_F(ModelFile, what_a_texture_alone_colours_reflects_its_mean) {
+    const std::vector<uint8_t> pixels{188, 188, 188, 90, 90, 90};
+    writePngFile(folder / "Brick Wall.png", 2, 1, pixels.data());
+    const std::string box =
+        "mtllib m.mtl\nv 0 0 0\nv 4 0 0\nv 4 3 0\nv 0 3 0\nv 0 0 5\nv 4 0 5\nv 4 3 5\nv 0 3 5\nusemtl wall\n"
+        "f 1 2 3 4\nf 8 7 6 5\nf 1 5 6 2\nf 2 6 7 3\nf 3 7 8 4\nf 4 8 5 1\n";
+    for (const char* lines : {"map_Kd Brick Wall.png\n", "Kd 1 1 1\nmap_Kd C:\\tex\\brick wall.PNG\n"}) {
+        write("m.mtl", std::string("newmtl wall\n") + lines);
+        const Building building = importModel(write("m.obj", box));
+        EXPECT_NEAR(building.materials[building.faces[0].material].reflectance.y, 0.302, 1e-3) << lines;
+        EXPECT_TRUE(building.warnings.empty());
+        ASSERT_EQ(building.repairs.size(), 1u);
+        EXPECT_TRUE(
+            building.repairs[0].starts_with("material \"wall\": a reflectance of 0.30 0.30 0.30 was taken, "
+                                            "with the mean of map_Kd "))
+            << building.repairs[0];
+    }
+    write("m.mtl", "newmtl wall\nKd .6 .6 .6\nmap_Kd -s 2 2 1 \"Brick Wall.png\"\n"); // of both, or of one
+    const Building both = importModel(write("m.obj", box));
+    EXPECT_EQ(both.materials[both.faces[0].material].reflectance.y, 0.6f);
+    EXPECT_EQ(both.warnings.size(), 1u);
+    write("m.mtl", "newmtl wall\nmap_Kd none.png\n");
+    const Building none = importModel(write("m.obj", box));
+    EXPECT_EQ(none.materials[none.faces[0].material].reflectance.y, 0.5f);
+    EXPECT_EQ(none.warnings.size(), 1u);
 }
 
 TEST_F(ModelFile, materials_with_a_texture_or_two_definitions_are_warned_of) {
