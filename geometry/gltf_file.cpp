@@ -23,6 +23,7 @@
 #include <tiny_gltf.h>
 #pragma GCC diagnostic pop
 
+#include "geometry/counted.h"
 #include "geometry/gltf_fields.h"
 #include "geometry/gltf_materials.h"
 #include "geometry/input_error.h"
@@ -124,6 +125,7 @@ public:
         seen_.assign(in_.nodes.size(), Seen::never);
         for (const int node : rootNodes()) visit(node, glm::dmat4(1), 0);
         if (out_.faceCount() == 0 && !withoutFaces_.empty()) fail(withoutFaces_, "is not triangles");
+        sayWhatOthersShow();
         return std::move(out_);
     }
 
@@ -169,6 +171,17 @@ private:
         for (size_t i = 0; i < isChild.size(); ++i)
             if (!isChild[i]) roots.push_back(static_cast<int>(i));
         return roots;
+    }
+
+    void sayWhatOthersShow() {
+        size_t others = 0;
+        for (size_t i = 0; i < in_.nodes.size(); ++i)
+            others += in_.nodes[i].mesh >= 0 && seen_[i] == Seen::never;
+        if (others == 0) return;
+        if (out_.faceCount() == 0)
+            fail("scene", "shows no mesh, which others do: expected the number of one of these");
+        out_.leftOut.push_back(counted(others, "node") +
+                               " with a mesh that the file's default scene does not show left out");
     }
 
     // asset.extras.north_deg, our own.

@@ -109,6 +109,16 @@ public:
         }
     }
 
+    // Where it puts parts elsewhere, a model may close all the same.
+    void warnOfRounding(Building& made) const {
+        const double step = lastBit(reading_.model.vertices, kMostRounding * reading_.extent);
+        if (step > 0)
+            made.warnings.push_back(
+                fmt::format("so far from the origin single precision rounds coordinates to "
+                            "{:.2g} m, and sizes with them: export the model nearer to it",
+                            reading_.inBuilding(step)));
+    }
+
     void joinPanes(Building& made) const {
         const double scale = reading_.worldPerBuilding(made.vertices);
         const DoubleGlazing joined = geometry::joinPanes(made, kBetweenPanes * scale, reading_.tolerance());
@@ -313,6 +323,7 @@ Building importModel(const std::filesystem::path& file, UpAxis up, const ImportO
         Building made = importer.import();
         importer.refuseInsideOfWalls(made);
         importer.joinPanes(made);
+        importer.warnOfRounding(made);
         return made;
     } catch (const InputError& wrong) {
         for (const double apart : kRoundingApart) {

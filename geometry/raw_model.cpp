@@ -210,15 +210,22 @@ std::optional<RawModel::Flaw> flawOf(const Material& material, const MaterialFie
 namespace {
 
 void checkReach(const RawModel& model) {
+    const glm::dvec3 first = model.vertices[model.corners[0]];
     const auto check = [&](std::span<const uint32_t> corners, const auto& place) {
         for (const uint32_t v : corners)
-            for (int c = 0; c < 3; ++c)
-                if (!(std::abs(model.vertices[v][c]) <= kFarthest))
-                    throw InputError(
-                        model.file, place(),
-                        fmt::format("a corner of the face has the coordinate {:.3g}, expected -{:g} "
-                                    "to {:g} (metres)",
-                                    model.vertices[v][c], kFarthest, kFarthest));
+            for (int c = 0; c < 3; ++c) {
+                const double at = model.vertices[v][c], across = at - first[c];
+                const bool isNear = std::abs(at) <= kFarthest;
+                if (isNear && std::abs(across) <= kLargest) continue;
+                throw InputError(
+                    model.file, place(),
+                    isNear ? fmt::format("a corner of the face lies {:.3g} from that of the first face, "
+                                         "expected -{:g} to {:g} (metres)",
+                                         across, kLargest, kLargest)
+                           : fmt::format("a corner of the face has the coordinate {:.3g}, expected -{:g} "
+                                         "to {:g}",
+                                         at, kFarthest, kFarthest));
+            }
     };
     for (size_t i = 0; i < model.faceCount(); ++i) check(model.face(i), [&] { return model.place(i); });
     for (const RawModel::Outside& face : model.outside)

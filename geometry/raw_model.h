@@ -20,9 +20,10 @@
 
 namespace heliodon::geometry {
 
-// Metres along an axis from the origin. Beyond it, as in a file in the wrong unit, single precision no longer
-// tells the parts of a room apart.
-constexpr double kFarthest = 1e7;
+// The file's units along an axis from the origin: twice a national grid (5000 km) in millimetres. Beyond it
+// double precision no longer tells the parts of a room well enough apart.
+constexpr double kFarthest = 1e10;
+constexpr double kLargest = 1e7; // from one face to another; beyond it the unit is wrong
 
 // Heliodon's own: the group of PatchMesh::outside.
 constexpr const char* kOutsideGroup = "heliodon_outside";
@@ -117,7 +118,8 @@ struct RawModel {
 RawModel readObj(const std::filesystem::path& file);
 RawModel readGltf(const std::filesystem::path& file);
 // By extension; throws InputError for others, for a model without faces, and for one that names a face with a
-// corner beyond kFarthest or `given` a material that it has not, or has a flaw that nothing given mends.
+// corner beyond kFarthest or kLargest, or `given` a material that it has not, or has a flaw that nothing
+// given mends.
 RawModel readRawModel(const std::filesystem::path& file, const GivenMaterials& given = {});
 
 // Of a material that is see-through, so that `opacity` of what is behind it is hidden, but transmits nothing:

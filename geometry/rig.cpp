@@ -14,7 +14,6 @@
 
 #include "geometry/field_names.h"
 #include "geometry/input_error.h"
-#include "geometry/raw_model.h" // kFarthest
 #include "geometry/text_file.h"
 
 namespace heliodon::geometry {
@@ -22,6 +21,8 @@ namespace {
 
 using nlohmann::json;
 using namespace std::string_view_literals;
+
+constexpr double kFarthest = 1e7; // metres
 
 struct Distorted {
     glm::dvec2 point;

@@ -103,6 +103,19 @@ TEST(GltfScene, nodes_turn_mirror_and_repeat) {
     expectRooms(R"([{"children":[1,2]},{"mesh":0},{"mesh":0,"translation":[6,0,0]}])", 2, 60);
 }
 
+TEST(GltfScene, what_other_scenes_show_is_said) {
+    json scene =
+        roomScene(json::parse(R"([{"mesh":0},{"mesh":0,"translation":[20,0,0]},{"name":"camera"}])"));
+    scene["scenes"] = json::parse(R"([{"nodes":[0]},{"nodes":[1,2]}])");
+    const Building building = importModel(written(scene));
+    EXPECT_EQ(building.roomCount, 1u);
+    EXPECT_EQ(
+        building.repairs,
+        std::vector<std::string>{"1 node with a mesh that the file's default scene does not show left out"});
+    scene["scenes"] = json::parse(R"([{"nodes":[2]},{"nodes":[0,1]}])");
+    expectRefused(scene, "scene: shows no mesh, which others do");
+}
+
 TEST(GltfScene, a_node_is_left_out_with_those_below_it) {
     const std::string file =
         written(roomScene(json::parse(R"([{"name":"All","children":[1,2]},{"name":"Room","mesh":0},

@@ -413,6 +413,11 @@ TEST(DirtyModel, far_from_the_origin_and_in_millimetres) {
     Polygons fine = room();
     for (glm::dvec3& p : fine.vertices) p *= 1000;
     expectRooms(fine, 1, 30e9);
+    Polygons site = fine; // in a national grid
+    for (glm::dvec3& p : site.vertices) p += glm::dvec3(3e8 + 100, 0, -5e9);
+    EXPECT_EQ(importModel(written(site)).roomCount, 1u);
+    for (glm::dvec3& p : site.vertices) p += glm::dvec3(0, 0, -6e9);
+    expectRefused(site, "has the coordinate -1.1e+10, expected -1e+10 to 1e+10");
 }
 
 TEST(DirtyModel, rooms_that_share_a_wall_without_thickness) {

@@ -159,6 +159,17 @@ TEST(LastDecimal, rooms_far_from_the_origin_close_within_the_last_bit) {
     EXPECT_GE(told, 2); // others close as they are
 }
 
+TEST(LastDecimal, rooms_that_close_though_the_last_bit_is_coarse_are_warned_of) {
+    for (const auto& [away, step] : {std::pair(5000000.5, "to 0.5 m"), {1000.5, ""}}) {
+        Drawing drawing(false);
+        drawing.room(away, -1, true);
+        const Building building = drawing.read();
+        EXPECT_EQ(building.roomCount, 1u);
+        ASSERT_EQ(building.warnings.size(), *step ? 1u : 0u) << away;
+        if (*step) EXPECT_NE(building.warnings[0].find(step), std::string::npos) << building.warnings[0];
+    }
+}
+
 // A table, a cupboard against a wall and one in a corner, turned: their corners are off walls and floor.
 TEST(LastDecimal, furniture_stands_on_floors_within_it) {
     int told = 0;
