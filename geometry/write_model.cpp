@@ -17,6 +17,8 @@
 #include "geometry/corner_normals.h"
 #include "geometry/glass_mark.h"
 #include "geometry/input_error.h"
+#include "geometry/last_decimal.h"
+#include "geometry/model_faces.h"
 #include "geometry/model_file.h"
 #include "geometry/raw_model.h"
 #include "geometry/text_file.h"
@@ -205,7 +207,8 @@ void writeObj(const PatchMesh& mesh, const std::filesystem::path& file, double n
 class GlbWriter {
 public:
     GlbWriter(const PatchMesh& mesh, double northDeg)
-        : mesh_(mesh), northDeg_(northDeg), normals_(mesh), points_(mesh.corners) {}
+        : mesh_(mesh), northDeg_(northDeg), normals_(mesh), points_(mesh.corners),
+          origin_(originOf(mesh.vertices)) {}
 
     std::string bytes() {
         // Every list first: an ordered object moves its members when it grows.
@@ -243,6 +246,17 @@ public:
     }
 
 private:
+    // Of the nodes, as positions are of single precision, which far off, as in a national grid, moves
+    // corners; 0 where it moves them by less than what is read as one corner.
+    static glm::dvec3 originOf(const std::vector<glm::dvec3>& places) {
+        glm::dvec3 low(places[0]), high(low);
+        for (const glm::dvec3& p : places) low = glm::min(low, p), high = glm::max(high, p);
+        const glm::dvec3 far = glm::max(glm::abs(low), glm::abs(high));
+        const bool isNear =
+            singleStep(std::max({far.x, far.y, far.z})) < kWeldOfExtent * glm::length(high - low);
+        return isNear ? glm::dvec3(0) : glm::round(0.5 * (low + high));
+    }
+
     // glTF is little-endian.
     template<class Value> static void append(std::string& out, Value value) {
         static_assert(std::endian::native == std::endian::little);
@@ -327,7 +341,7 @@ private:
         const size_t begin = data_.size();
         glm::vec3 low(1e30f), high(-1e30f);
         for (const glm::dvec3& p : places) {
-            const glm::vec3 q(p);
+            const glm::vec3 q(p - origin_);
             low = glm::min(low, q);
             high = glm::max(high, q);
             for (int c = 0; c < 3; ++c) append(data_, q[c]);
@@ -391,6 +405,8 @@ private:
         json_["meshes"].push_back({{"name", name}, {"primitives", primitives}});
         const size_t meshIndex = json_["meshes"].size() - 1;
         json_["nodes"].push_back({{"name", name}, {"mesh", meshIndex}});
+        if (origin_ != glm::dvec3(0))
+            json_["nodes"].back()["translation"] = {origin_.x, origin_.y, origin_.z};
         nodes.push_back(json_["nodes"].size() - 1);
     }
 
@@ -398,6 +414,7 @@ private:
     double northDeg_;
     Normals normals_;
     std::vector<uint32_t> points_; // of the file, per corner of the mesh
+    glm::dvec3 origin_;
     nlohmann::ordered_json json_, attributes_;
     std::string data_;
 };

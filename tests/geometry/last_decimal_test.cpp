@@ -170,6 +170,35 @@ TEST(LastDecimal, rooms_that_close_though_the_last_bit_is_coarse_are_warned_of) 
     }
 }
 
+// .glb holds single precision.
+TEST(LastDecimal, rooms_far_off_are_written_where_they_are) {
+    Drawing drawing(false);
+    drawing.room(0, -1, true), ground(drawing);
+    const Building near = drawing.read();
+    ASSERT_FALSE(near.outside.triangles.empty());
+    for (const dvec3 away : {dvec3(5000000.3, 60, 400000.7), {0, 1000.3, 0}}) {
+        Building far = near;
+        for (dvec3& p : far.vertices) p += away;
+        for (dvec3& p : far.outside.vertices) p += away;
+        const PatchMesh mesh = meshBuilding(far, {300});
+        const std::string file = testing::TempDir() + fmt::format("far-off-{}.glb", getpid());
+        writeModel(mesh, file);
+        const PatchMesh read = readPatches(file);
+        const Building again = importModel(file);
+        std::filesystem::remove(file);
+        ASSERT_EQ(read.patchCount(), mesh.patchCount());
+        for (size_t c = 0; c < mesh.corners.size(); ++c)
+            EXPECT_LT(glm::distance(read.vertices[read.corners[c]], mesh.vertices[mesh.corners[c]]), 1e-6);
+        ASSERT_EQ(again.outside.triangles.size(), far.outside.triangles.size());
+        EXPECT_TRUE(again.warnings.empty()) << again.warnings[0];
+        for (size_t c = 0; c < far.outside.triangles.size(); ++c) {
+            const dvec3 of = again.outside.vertices[again.outside.triangles[c]];
+            EXPECT_TRUE(std::ranges::any_of(far.outside.vertices,
+                                            [&](dvec3 p) { return glm::distance(p, of) < 5e-6; }));
+        }
+    }
+}
+
 // A table, a cupboard against a wall and one in a corner, turned: their corners are off walls and floor.
 TEST(LastDecimal, furniture_stands_on_floors_within_it) {
     int told = 0;
