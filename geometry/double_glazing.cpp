@@ -20,7 +20,6 @@ namespace heliodon::geometry {
 
 namespace {
 
-constexpr double kFlat = 1e-6; // of 1, the cosine between faces of one side
 constexpr double kAlike = 0.05, kMostlyGlass = 0.8;
 
 struct Side {
@@ -54,6 +53,8 @@ private:
     Face& face(uint32_t f) const { return building_.faces[f]; }
     Face& twinOf(uint32_t f) const { return face(static_cast<uint32_t>(face(f).twin)); }
 
+    bool isGlass(uint32_t f) const { return building_.materials[face(f).material].isOpening(); }
+
     glm::dvec3 areaOf(const Face& of) const {
         glm::dvec3 sum(0);
         for (const auto& loop : of.loops) sum += 0.5 * areaVector(building_.vertices, loop);
@@ -85,23 +86,26 @@ private:
 
     // How deep the space is; none where it does not lie between two panes.
     std::optional<double> sidesOf(uint32_t room, std::array<Side, 2>& sides) const {
-        glm::dvec3 normal(0);
+        const std::vector<uint32_t>& faces = facesOf_[room];
+        const auto first = std::ranges::find_if(faces, [&](uint32_t f) { return isGlass(f); });
+        if (first == faces.end()) return std::nullopt;
+        const glm::dvec3 normal = glm::normalize(areaOf(face(*first)));
         double all = 0, low = std::numeric_limits<double>::infinity(), high = -low;
-        for (const uint32_t f : facesOf_[room]) {
+        for (const uint32_t f : faces) {
             const glm::dvec3 vector = areaOf(face(f));
-            const double area = glm::length(vector);
-            all += area;
-            if (!building_.materials[face(f).material].isOpening()) continue;
-            if (normal == glm::dvec3(0)) normal = vector / area;
-            const double cosine = glm::dot(vector, normal) / area;
-            if (!(std::abs(cosine) > 1 - kFlat)) return std::nullopt;
-            Side& side = sides[cosine > 0 ? 0 : 1];
+            const double along = glm::dot(vector, normal), area = glm::length(vector);
+            all += std::abs(along); // the rim, which is no wider than the space is deep, does not count
+            if (!isGlass(f)) continue;
+            if (!(std::abs(along) > -kBackToBack * area)) return std::nullopt;
+            Side& side = sides[along > 0 ? 0 : 1];
             side.faces.push_back(f);
-            side.area += area;
+            side.area += std::abs(along);
             side.twins += face(f).twin != kNoTwin && twinOf(f).room != room;
             if (face(f).material != side.material(building_)) return std::nullopt;
-            const double at = glm::dot(building_.vertices[face(f).loops[0][0]], normal);
-            low = std::min(low, at), high = std::max(high, at);
+            for (const uint32_t v : face(f).loops[0]) {
+                const double at = glm::dot(building_.vertices[v], normal);
+                low = std::min(low, at), high = std::max(high, at);
+            }
         }
         const double least = std::min(sides[0].area, sides[1].area), both = sides[0].area + sides[1].area;
         const bool isBetween = least > (1 - kAlike) * 0.5 * both && both > kMostlyGlass * all;
@@ -132,7 +136,7 @@ private:
     void addOutside(uint32_t room) {
         Occluders& outside = building_.outside;
         for (const uint32_t f : facesOf_[room]) {
-            if (building_.materials[face(f).material].isOpening()) continue;
+            if (isGlass(f)) continue;
             for (const auto& triangle : triangulateFace(building_, face(f))) {
                 for (const uint32_t v : triangle) {
                     outside.triangles.push_back(static_cast<uint32_t>(outside.vertices.size()));

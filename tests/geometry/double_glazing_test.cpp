@@ -15,18 +15,21 @@ namespace {
 
 constexpr double kGap = 0.012;
 
-// What joins the window of Drawing::room() with panes `depth` apart before it, and these.
-void panesBefore(Drawing& drawing, std::vector<double> depths, double left = 0) {
-    const std::array<dvec3, 4> pane{dvec3(left + 1, 0.8, 0), dvec3(left + 3, 0.8, 0), dvec3(left + 3, 2, 0),
-                                    dvec3(left + 1, 2, 0)};
+// What joins the window of Drawing::room() with panes `depth` apart before it, and these. The last leans
+// out by `lean` at its head.
+void panesBefore(Drawing& drawing, std::vector<double> depths, double left = 0, double sill = 0.8,
+                 double lean = 0) {
+    const std::array<dvec3, 4> pane{dvec3(left + 1, sill, 0), dvec3(left + 3, sill, 0),
+                                    dvec3(left + 3, 2, 0), dvec3(left + 1, 2, 0)};
     double from = 0;
     for (const double to : depths) {
+        const double leans = to == depths.back() ? lean : 0;
+        const auto at = [&](size_t k, double depth) { return pane[k % 4] - dvec3(0, 0, depth); };
+        const auto outerAt = [&](size_t k) { return at(k, k % 4 < 2 ? to : to + leans); };
         std::vector<dvec3> outer;
         for (size_t k = 0; k < 4; ++k) {
-            const dvec3 a = pane[k] - dvec3(0, 0, from), b = pane[(k + 1) % 4] - dvec3(0, 0, from),
-                        out(0, 0, from - to);
-            drawing.face("wall", {a, b, b + out, a + out});
-            outer.push_back(a + out);
+            drawing.face("wall", {at(k, from), at(k + 1, from), outerAt(k + 1), outerAt(k)});
+            outer.push_back(outerAt(k));
         }
         drawing.face("glass", outer);
         from = to;
@@ -67,6 +70,22 @@ TEST(DoubleGlazing, is_one_window_of_the_product) {
         for (const dvec3& p : building.outside.vertices) farthest = std::min(farthest, p.z);
         EXPECT_NEAR(farthest, -kGap, 1e-9);
     }
+}
+
+// Coordinates to the millimetre turn panes; of low ones the frame is as large as the glass.
+TEST(DoubleGlazing, may_lean_a_little_and_be_as_deep_as_high) {
+    for (const auto& [depth, sill, lean] : {std::tuple(0.09, 1.85, 0.0), {0.012, 0.8, 0.002}}) {
+        Drawing drawing(false);
+        drawing.room(0, -1, true, 0, 0, sill);
+        panesBefore(drawing, {depth}, 0, sill, lean);
+        const Building building = drawing.read();
+        EXPECT_EQ(building.roomCount, 1u) << depth;
+        EXPECT_NEAR(glassOf(building).transmittance.x, 0.64, 1e-6);
+    }
+    Drawing drawing(false);
+    drawing.room(0, -1, true);
+    panesBefore(drawing, {0.05}, 0, 0.8, 0.2); // at the head deeper than a frame
+    EXPECT_EQ(drawing.read().roomCount, 2u);
 }
 
 TEST(DoubleGlazing, of_three_panes_is_one_window_and_single_panes_keep_their_glass) {
