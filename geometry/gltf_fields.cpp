@@ -120,6 +120,30 @@ void checkExtensions(const json& root, const std::string& file) {
     }
 }
 
+// A file that does not require it has a plain copy beside it.
+void checkPlainCopies(const json& root, const std::string& file) {
+    constexpr const char* kPacking = "KHR_draco_mesh_compression";
+    const json accessors = root.value("accessors", json::array()),
+               meshes = root.value("meshes", json::array());
+    const auto isPlain = [&](const json& accessor) {
+        return !accessor.is_number_unsigned() || accessor >= accessors.size() ||
+               accessors[accessor.get<size_t>()].contains("bufferView");
+    };
+    for (size_t m = 0; m < meshes.size(); ++m) {
+        const json primitives = meshes[m].value("primitives", json::array());
+        for (size_t p = 0; p < primitives.size(); ++p) {
+            const json& primitive = primitives[p];
+            if (!primitive.value("extensions", json::object()).contains(kPacking)) continue;
+            if (!isPlain(primitive.value("indices", json())) ||
+                !isPlain(primitive.value("attributes", json::object()).value("POSITION", json())))
+                throw InputError(file, fmt::format("meshes[{}].primitives[{}]", m, p),
+                                 fmt::format("is packed by {} alone, which is not supported: save the model "
+                                             "without it",
+                                             kPacking));
+        }
+    }
+}
+
 } // namespace
 
 void checkGltfFields(std::string_view bytes, const std::string& file) {
@@ -129,6 +153,7 @@ void checkGltfFields(std::string_view bytes, const std::string& file) {
     const FieldChecker checker(file);
     for (const Field& field : kFields) checker.check(root, field.path, field.kind, "");
     checkExtensions(root, file);
+    checkPlainCopies(root, file);
 }
 
 } // namespace heliodon::geometry

@@ -277,8 +277,12 @@ void mendMaterials(RawModel& model, const GivenMaterials& given) {
     for (const Glazing& one : given.glazing) makeGlass(model, one);
     std::vector<uint32_t> undefined;
     for (const RawModel::Flaw& flaw : model.flaws) {
-        if (!given.reflectance || flaw.kind == RawModel::Flaw::Kind::unphysical)
-            throw InputError(flaw.file, flaw.place, flaw.what);
+        if (!given.reflectance || flaw.kind == RawModel::Flaw::Kind::unphysical) {
+            const auto texture = model.unread.find(flaw.material); // would have made white less
+            const bool lacks = flaw.kind == RawModel::Flaw::Kind::tooBright && texture != model.unread.end();
+            throw InputError(flaw.file, flaw.place,
+                             flaw.what + (lacks ? "; not read: " + texture->second : ""));
+        }
         if (flaw.kind == RawModel::Flaw::Kind::missingFile) continue;
         Material& material = model.materials[flaw.material];
         if (flaw.kind == RawModel::Flaw::Kind::undefined) {

@@ -14,7 +14,7 @@ namespace heliodon::geometry {
 std::optional<glm::vec3> textureMean(const std::vector<uint8_t>& picture) {
     std::optional<PicturePixels> pixels;
     try {
-        pixels = pictureIn(picture);
+        if (!jpegDamageIn(picture)) pixels = pictureIn(picture);
     } catch (const std::runtime_error&) { // the module that reads them is missing
     }
     if (!pixels || pixels->rgb.empty()) return std::nullopt;

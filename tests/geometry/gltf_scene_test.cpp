@@ -226,6 +226,13 @@ TEST(GltfScene, required_extensions_that_are_not_known_are_refused_by_name) {
         for (json& accessor : scene["accessors"]) accessor.erase("bufferView"); // as packed ones
         expectRefused(scene, std::string("extensionsRequired: asks for ") + name);
     }
+    json packed = roomScene(kOneNode);
+    packed["meshes"][0]["primitives"][0]["extensions"]["KHR_draco_mesh_compression"] = {
+        {"bufferView", 0}, {"attributes", {{"POSITION", 0}}}};
+    packed["extensionsUsed"] = json::array({"KHR_draco_mesh_compression"});
+    EXPECT_EQ(importModel(written(packed)).roomCount, 1u); // of its plain copy
+    packed["accessors"][1].erase("bufferView");
+    expectRefused(packed, "meshes[0].primitives[0]: is packed by KHR_draco_mesh_compression alone, which");
     json looks = roomScene(kOneNode);
     looks["extensionsUsed"] = looks["extensionsRequired"] = json::array({"KHR_materials_transmission"});
     EXPECT_EQ(importModel(written(looks)).roomCount, 1u);
@@ -326,8 +333,19 @@ TEST(GltfScene, a_texture_multiplies_the_colour_by_its_mean) {
     }
     scene["images"] = json::array({{{"bufferView", 0}, {"mimeType", "image/png"}}}); // of numbers
     EXPECT_EQ(importModel(written(scene)).warnings.size(), 1u);
+    // Cut short, of which the rest would be grey.
+    const std::vector<uint8_t> jpeg = bytesOf(HELIODON_TEST_DATA "/vision/two_lights.jpg");
+    const size_t half = jpeg.size() / 2;
+    for (const size_t bytes : {jpeg.size(), half}) {
+        const std::string part(jpeg.begin(), jpeg.begin() + static_cast<std::ptrdiff_t>(bytes));
+        scene["images"] = json::array({{{"uri", "data:image/jpeg;base64," + base64(part)}}});
+        EXPECT_EQ(importModel(written(scene)).warnings.size(), bytes == half ? 1u : 0u);
+    }
     scene["images"] = json::array({{{"uri", "none.png"}}});
     EXPECT_EQ(importModel(written(scene)).warnings.size(), 1u);
+    scene["materials"] = json::parse(
+        R"([{"pbrMetallicRoughness":{"baseColorFactor":[1,1,1,1],"baseColorTexture":{"index":0}}}])");
+    expectRefused(scene, "takes it); not read: baseColorTexture in ");
     std::filesystem::remove(file);
 }
 
