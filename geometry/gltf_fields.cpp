@@ -120,28 +120,36 @@ void checkExtensions(const json& root, const std::string& file) {
     }
 }
 
-// A file that does not require it has a plain copy beside it.
+// Files that do not require their packing hold a plain copy, too, or should.
 void checkPlainCopies(const json& root, const std::string& file) {
-    constexpr const char* kPacking = "KHR_draco_mesh_compression";
-    const json accessors = root.value("accessors", json::array()),
-               meshes = root.value("meshes", json::array());
+    const auto list = [](const json& of, const char* name) { return of.value(name, json::array()); };
+    const auto isPacked = [](const json& of, const char* by) {
+        return of.value("extensions", json::object()).contains(by);
+    };
+    const auto refuse = [&](const std::string& place, const char* by) {
+        throw InputError(
+            file, place,
+            fmt::format("is packed by {} alone, which is not supported: save the model without it", by));
+    };
+    constexpr const char *kDraco = "KHR_draco_mesh_compression", *kMeshopt = "EXT_meshopt_compression";
+    const json accessors = list(root, "accessors"), meshes = list(root, "meshes"),
+               buffers = list(root, "buffers");
     const auto isPlain = [&](const json& accessor) {
         return !accessor.is_number_unsigned() || accessor >= accessors.size() ||
                accessors[accessor.get<size_t>()].contains("bufferView");
     };
     for (size_t m = 0; m < meshes.size(); ++m) {
-        const json primitives = meshes[m].value("primitives", json::array());
+        const json primitives = list(meshes[m], "primitives");
         for (size_t p = 0; p < primitives.size(); ++p) {
-            const json& primitive = primitives[p];
-            if (!primitive.value("extensions", json::object()).contains(kPacking)) continue;
-            if (!isPlain(primitive.value("indices", json())) ||
-                !isPlain(primitive.value("attributes", json::object()).value("POSITION", json())))
-                throw InputError(file, fmt::format("meshes[{}].primitives[{}]", m, p),
-                                 fmt::format("is packed by {} alone, which is not supported: save the model "
-                                             "without it",
-                                             kPacking));
+            const json &primitive = primitives[p], attributes = primitive.value("attributes", json::object());
+            if (isPacked(primitive, kDraco) && !(isPlain(primitive.value("indices", json())) &&
+                                                 isPlain(attributes.value("POSITION", json()))))
+                refuse(fmt::format("meshes[{}].primitives[{}]", m, p), kDraco);
         }
     }
+    for (size_t i = 0; i < buffers.size(); ++i)
+        if (isPacked(buffers[i], kMeshopt) && !buffers[i].contains("uri"))
+            refuse(fmt::format("buffers[{}]", i), kMeshopt);
 }
 
 } // namespace

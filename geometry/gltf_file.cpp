@@ -114,8 +114,8 @@ public:
                 flaw->material = static_cast<uint32_t>(i);
                 out_.flaws.push_back(*flaw);
             }
-            if (texture >= 0 && !mean)
-                out_.unread[static_cast<uint32_t>(i)] = fmt::format("{} in {}", field, out_.file);
+            const char* unread = texture >= 0 && !mean ? field : otherTextureOf(in_.materials[i]);
+            if (unread) out_.unread[static_cast<uint32_t>(i)] = fmt::format("{} in {}", unread, out_.file);
             const double opacity = colourOf(in_.materials[i]).at(3);
             if (in_.materials[i].alphaMode == "BLEND" && opacity < 1 && !material.isOpening())
                 out_.doubts[static_cast<uint32_t>(i)] =

@@ -55,6 +55,15 @@ std::pair<int, const char*> textureOf(const tinygltf::Material& in) {
     return {in.pbrMetallicRoughness.baseColorTexture.index, "baseColorTexture"};
 }
 
+const char* otherTextureOf(const tinygltf::Material& in) {
+    if (in.emissiveTexture.index >= 0 && in.emissiveFactor != std::vector<double>{0, 0, 0})
+        return "emissiveTexture";
+    const auto through = in.extensions.find("KHR_materials_transmission");
+    return through != in.extensions.end() && through->second.Has("transmissionTexture")
+               ? "transmissionTexture"
+               : nullptr;
+}
+
 std::optional<glm::vec3> meanOf(const tinygltf::Model& model, int texture) {
     if (!isIn(model.textures, texture)) return std::nullopt;
     const int source = model.textures[static_cast<size_t>(texture)].source;

@@ -27,6 +27,8 @@ std::vector<double> colourOf(const tinygltf::Material& in);
 
 // Index of the texture that colours it, negative where there is none, and its field.
 std::pair<int, const char*> textureOf(const tinygltf::Material& in);
+// The field of one that dims what it emits or transmits; null where there is none.
+const char* otherTextureOf(const tinygltf::Material& in);
 // Its textureMean(), where the image loader kept the bytes of files; none where its picture cannot be read.
 std::optional<glm::vec3> meanOf(const tinygltf::Model& model, int texture);
 

@@ -100,8 +100,8 @@ private:
                 unread += fmt::format("{}\"{}\" ({})", unread.empty() ? "" : ", ",
                                       model_.materials[material].name, what);
         if (!unread.empty())
-            building_.warnings.push_back("textures and colours of vertices that are not read leave uncertain "
-                                         "what these materials reflect: " +
+            building_.warnings.push_back("textures and colours of vertices that are not read leave these "
+                                         "materials uncertain: " +
                                          unread);
         building_.warnings.insert(building_.warnings.end(), faces_.warnings.begin(), faces_.warnings.end());
         return {std::move(building_), std::move(source_), std::move(sheets_)};

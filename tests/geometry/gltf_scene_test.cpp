@@ -233,6 +233,10 @@ TEST(GltfScene, required_extensions_that_are_not_known_are_refused_by_name) {
     EXPECT_EQ(importModel(written(packed)).roomCount, 1u); // of its plain copy
     packed["accessors"][1].erase("bufferView");
     expectRefused(packed, "meshes[0].primitives[0]: is packed by KHR_draco_mesh_compression alone, which");
+    packed = roomScene(kOneNode);
+    packed["buffers"].push_back({{"byteLength", 96}});
+    packed["buffers"][1]["extensions"]["EXT_meshopt_compression"]["fallback"] = true;
+    expectRefused(packed, "buffers[1]: is packed by EXT_meshopt_compression alone, which");
     json looks = roomScene(kOneNode);
     looks["extensionsUsed"] = looks["extensionsRequired"] = json::array({"KHR_materials_transmission"});
     EXPECT_EQ(importModel(written(looks)).roomCount, 1u);
@@ -372,6 +376,12 @@ TEST(GltfScene, colours_that_are_not_read_are_warned_of) {
     EXPECT_TRUE(importModel(written(scene)).warnings.empty());
     primitive["attributes"]["COLOR_0"] = 0;
     expectWarned("COLOR_0");
+    primitive["attributes"].erase("COLOR_0");
+    scene["materials"][0]["emissiveTexture"]["index"] = 0; // emits nothing
+    EXPECT_TRUE(importModel(written(scene)).warnings.empty());
+    scene["materials"][0]["emissiveFactor"] = {1, 1, 1};
+    expectWarned("emissiveTexture");
+    scene["materials"][0].erase("emissiveFactor");
     older["diffuseFactor"] = {1, 1, 1, 1};
     expectRefused(scene, "reflectance (diffuseFactor) is 1");
     older["diffuseFactor"] = {0.2, 0.3, 0.4};
