@@ -13,6 +13,7 @@
 #include <glm/geometric.hpp>
 
 #include "geometry/face_soup.h"
+#include "geometry/kept_rooms.h"
 #include "geometry/outline_area.h"
 #include "geometry/twin_faces.h"
 
@@ -33,7 +34,7 @@ class PaneJoiner {
 public:
     PaneJoiner(Building& building, double deepest, double tolerance)
         : building_(building), deepest_(deepest), tolerance_(tolerance), facesOf_(building.roomCount),
-          isGone_(building.roomCount, false), drawnMaterials_(building.materials.size()) {
+          isRoom_(building.roomCount, true), drawnMaterials_(building.materials.size()) {
         for (uint32_t f = 0; f < building.faces.size(); ++f) facesOf_[building.faces[f].room].push_back(f);
     }
 
@@ -41,10 +42,10 @@ public:
         for (bool changed = true; changed;) { // of three panes the inner space may follow the outer one
             changed = false;
             for (uint32_t room = 0; room < building_.roomCount; ++room)
-                if (!isGone_[room] && joinRound(room)) isGone_[room] = changed = true;
+                if (isRoom_[room] && joinRound(room)) isRoom_[room] = false, changed = true;
         }
         if (out_.spaces == 0) return out_;
-        dropRooms();
+        keepRooms(building_, isRoom_);
         settleMaterials();
         return out_;
     }
@@ -169,26 +170,6 @@ private:
         return material < drawnMaterials_ ? material : alone_[material - drawnMaterials_];
     }
 
-    void dropRooms() {
-        std::vector<uint32_t> number(building_.roomCount);
-        uint32_t rooms = 0;
-        for (uint32_t room = 0; room < number.size(); ++room)
-            if (!isGone_[room]) number[room] = rooms++;
-        std::vector<int32_t> place(building_.faces.size(), kNoTwin);
-        std::vector<Face> kept;
-        for (size_t f = 0; f < building_.faces.size(); ++f) {
-            Face& one = building_.faces[f];
-            if (isGone_[one.room]) continue;
-            place[f] = static_cast<int32_t>(kept.size());
-            one.room = number[one.room];
-            kept.push_back(std::move(one));
-        }
-        for (Face& one : kept)
-            if (one.twin != kNoTwin) one.twin = place[static_cast<size_t>(one.twin)];
-        building_.faces = std::move(kept);
-        building_.roomCount = rooms;
-    }
-
     // A glass of which no pane is left alone keeps its name, for --blinds.
     void settleMaterials() {
         std::vector<Material>& materials = building_.materials;
@@ -219,7 +200,7 @@ private:
     Building& building_;
     double deepest_, tolerance_;
     std::vector<std::vector<uint32_t>> facesOf_; // per room
-    std::vector<bool> isGone_;                   // rooms
+    std::vector<bool> isRoom_;                   // and no space between panes
     size_t drawnMaterials_;
     std::map<std::pair<uint32_t, uint32_t>, uint32_t> made_;
     std::vector<uint32_t> alone_; // per material that is made: drawnOf()

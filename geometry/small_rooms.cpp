@@ -4,6 +4,7 @@
 #include <set>
 
 #include "geometry/disjoint_sets.h"
+#include "geometry/kept_rooms.h"
 #include "geometry/room_measures.h"
 
 namespace heliodon::geometry {
@@ -18,30 +19,17 @@ SmallRooms leaveOutSmall(ModelRooms& rooms, double least) {
     for (uint32_t r = 0; r < measures.size(); ++r)
         if (measures[r].volume >= least) large.insert(joined.root(r));
     SmallRooms out;
-    std::vector<uint32_t> number(building.roomCount, kNoRoom);
-    uint32_t kept = 0;
+    std::vector<bool> kept(building.roomCount);
     for (uint32_t r = 0; r < building.roomCount; ++r)
-        if (large.empty() || large.contains(joined.root(r))) number[r] = kept++;
-    out.left = building.roomCount - kept;
+        kept[r] = large.empty() || large.contains(joined.root(r));
+    out.left = static_cast<size_t>(std::ranges::count(kept, false));
     if (out.left == 0) return out;
-    std::vector<int32_t> place(building.faces.size(), kNoTwin); // of faces that stay
-    std::vector<Face> faces;
+    const std::vector<uint32_t> stays = keepRooms(building, kept);
+    size_t first = 0; // that goes
+    while (first < stays.size() && stays[first] == first) ++first;
+    out.surface = rooms.source[first];
     std::vector<uint32_t> source;
-    for (size_t f = 0; f < building.faces.size(); ++f) {
-        Face& face = building.faces[f];
-        if (number[face.room] == kNoRoom) {
-            if (faces.size() == f) out.surface = rooms.source[f];
-            continue;
-        }
-        place[f] = static_cast<int32_t>(faces.size());
-        face.room = number[face.room];
-        faces.push_back(std::move(face));
-        source.push_back(rooms.source[f]);
-    }
-    for (Face& face : faces)
-        if (face.twin != kNoTwin) face.twin = place[static_cast<size_t>(face.twin)];
-    building.faces = std::move(faces);
-    building.roomCount = kept;
+    for (const uint32_t f : stays) source.push_back(rooms.source[f]);
     rooms.source = std::move(source);
     return out;
 }
