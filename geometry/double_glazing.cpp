@@ -110,7 +110,7 @@ private:
         }
         const double least = std::min(sides[0].area, sides[1].area), both = sides[0].area + sides[1].area;
         const bool isBetween = least > (1 - kAlike) * 0.5 * both && both > kMostlyGlass * all;
-        return isBetween && high - low <= deepest_ ? std::optional(high - low) : std::nullopt;
+        return isBetween && high - low <= deepest_ + tolerance_ ? std::optional(high - low) : std::nullopt;
     }
 
     bool joinBetweenRooms(const Side& a, const Side& b) {

@@ -136,6 +136,16 @@ TEST(DoubleGlazing, between_two_rooms_is_an_interior_window) {
     EXPECT_EQ(countPanes(meshBuilding(building, {300})).windows, 2);
 }
 
+TEST(DoubleGlazing, as_far_apart_as_may_be_is_told_to_within_rounding) {
+    for (const double turned : {0.0, 0.2, 0.4, 0.6, 0.8}) {
+        Drawing drawing(false);
+        drawing.turned = turned;
+        drawing.room(0, -1, true);
+        panesBefore(drawing, {0.1});
+        EXPECT_EQ(drawing.read().roomCount, 1u) << turned;
+    }
+}
+
 TEST(DoubleGlazing, panes_a_sill_apart_stay_two_windows) {
     Drawing drawing(false);
     drawing.room(0, -1, true);
