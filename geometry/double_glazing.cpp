@@ -21,11 +21,10 @@ namespace heliodon::geometry {
 
 namespace {
 
-constexpr double kAlike = 0.05, kMostlyGlass = 0.8;
+constexpr double kMostlyGlass = 0.8;
 
 struct Side {
     std::vector<uint32_t> faces; // of the space, all of one glass
-    double area = 0;
     size_t twins = 0;
     uint32_t material(const Building& building) const { return building.faces[faces[0]].material; }
 };
@@ -91,7 +90,7 @@ private:
         const auto first = std::ranges::find_if(faces, [&](uint32_t f) { return isGlass(f); });
         if (first == faces.end()) return std::nullopt;
         const glm::dvec3 normal = glm::normalize(areaOf(face(*first)));
-        double all = 0, low = std::numeric_limits<double>::infinity(), high = -low;
+        double all = 0, glass = 0, low = std::numeric_limits<double>::infinity(), high = -low;
         for (const uint32_t f : faces) {
             const glm::dvec3 vector = areaOf(face(f));
             const double along = glm::dot(vector, normal), area = glm::length(vector);
@@ -100,7 +99,7 @@ private:
             if (!(std::abs(along) > -kBackToBack * area)) return std::nullopt;
             Side& side = sides[along > 0 ? 0 : 1];
             side.faces.push_back(f);
-            side.area += std::abs(along);
+            glass += std::abs(along);
             side.twins += face(f).twin != kNoTwin && twinOf(f).room != room;
             if (face(f).material != side.material(building_)) return std::nullopt;
             for (const uint32_t v : face(f).loops[0]) {
@@ -108,8 +107,8 @@ private:
                 low = std::min(low, at), high = std::max(high, at);
             }
         }
-        const double least = std::min(sides[0].area, sides[1].area), both = sides[0].area + sides[1].area;
-        const bool isBetween = least > (1 - kAlike) * 0.5 * both && both > kMostlyGlass * all;
+        const bool isBetween =
+            !sides[0].faces.empty() && !sides[1].faces.empty() && glass > kMostlyGlass * all;
         return isBetween && high - low <= deepest_ + tolerance_ ? std::optional(high - low) : std::nullopt;
     }
 

@@ -19,8 +19,8 @@ constexpr double kGap = 0.012;
 // out by `lean` at its head.
 void panesBefore(Drawing& drawing, std::vector<double> depths, double left = 0, double sill = 0.8,
                  double lean = 0) {
-    const std::array<dvec3, 4> pane{dvec3(left + 1, sill, 0), dvec3(left + 3, sill, 0),
-                                    dvec3(left + 3, 2, 0), dvec3(left + 1, 2, 0)};
+    const std::array<dvec3, 4> pane{dvec3(left + 1, sill, 0), dvec3(left + 3, sill, 0), dvec3(left + 3, 2, 0),
+                                    dvec3(left + 1, 2, 0)};
     double from = 0;
     for (const double to : depths) {
         const double leans = to == depths.back() ? lean : 0;
@@ -86,6 +86,23 @@ TEST(DoubleGlazing, may_lean_a_little_and_be_as_deep_as_high) {
     drawing.room(0, -1, true);
     panesBefore(drawing, {0.05}, 0, 0.8, 0.2); // at the head deeper than a frame
     EXPECT_EQ(drawing.read().roomCount, 2u);
+}
+
+// As in a rebate, or an outer pane that runs past floors.
+TEST(DoubleGlazing, may_be_of_panes_that_differ_in_size) {
+    Drawing drawing(false);
+    drawing.room(0, -1, true);
+    const double low = 0.65, high = 2.15; // of the outer pane
+    const double z = -0.08;
+    for (const double y : {low, high}) drawing.face("wall", {{1, y, 0}, {3, y, 0}, {3, y, z}, {1, y, z}});
+    for (const double x : {1.0, 3.0})
+        drawing.face("wall", {{x, low, 0}, {x, low, z}, {x, high, z}, {x, high, 0}});
+    drawing.face("glass", {{1, low, z}, {3, low, z}, {3, high, z}, {1, high, z}});
+    const Building building = drawing.read();
+    EXPECT_EQ(building.roomCount, 1u);
+    EXPECT_NEAR(volume(meshBuilding(building, {300})), 50, 1e-4);
+    EXPECT_NEAR(glassOf(building).transmittance.x, 0.64, 1e-6);
+    EXPECT_EQ(countPanes(meshBuilding(building, {300})).windows, 1);
 }
 
 TEST(DoubleGlazing, of_three_panes_is_one_window_and_single_panes_keep_their_glass) {
