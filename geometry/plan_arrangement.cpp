@@ -143,13 +143,10 @@ public:
     }
 
 private:
-    struct On {
-        uint32_t line, place;
-    };
-
-    void add(size_t line, uint32_t place) { on_.push_back({static_cast<uint32_t>(line), place}); }
+    void add(size_t line, uint32_t place) { on_[line].push_back(place); }
 
     void findPlaces() {
+        on_.resize(lines_.size());
         std::map<std::pair<double, double>, uint32_t> known;
         const auto endAt = [&](glm::dvec2 p) {
             const auto [found, isNew] = known.try_emplace({p.x, p.y}, static_cast<uint32_t>(places_.size()));
@@ -210,8 +207,10 @@ private:
             }
             numberOf[order[k]] = static_cast<uint32_t>(first_.size() - 1);
         }
-        for (On& on : on_) on.place = numberOf[on.place];
-        std::ranges::sort(on_, {}, [](const On& on) { return std::pair(on.line, on.place); });
+        for (std::vector<uint32_t>& places : on_) {
+            for (uint32_t& place : places) place = numberOf[place];
+            std::ranges::sort(places);
+        }
     }
 
     // Between places that follow one another on a line; lines that overlap have the same there.
@@ -220,9 +219,9 @@ private:
             uint32_t from, to, line;
         };
         std::vector<Piece> pieces;
-        for (size_t k = 0; k + 1 < on_.size(); ++k)
-            if (on_[k].line == on_[k + 1].line && on_[k].place != on_[k + 1].place)
-                pieces.push_back({on_[k].place, on_[k + 1].place, on_[k].line});
+        for (uint32_t i = 0; i < on_.size(); ++i)
+            for (size_t k = 0; k + 1 < on_[i].size(); ++k)
+                if (on_[i][k] != on_[i][k + 1]) pieces.push_back({on_[i][k], on_[i][k + 1], i});
         // As a sweep from left to right ends them, from below.
         std::ranges::sort(pieces, [&](const Piece& p, const Piece& q) {
             if (p.to != q.to) return p.to < q.to;
@@ -347,11 +346,11 @@ private:
 
     std::vector<Line> lines_;
     std::vector<Place> places_;
-    std::vector<On> on_;           // places on lines
-    std::vector<uint32_t> first_;  // per point of the arrangement: a place that is there
-    std::vector<uint32_t> lineOf_; // per edge
-    std::vector<uint32_t> round_;  // half-edges by source and direction
-    std::vector<uint32_t> at_;     // their places in round_
+    std::vector<std::vector<uint32_t>> on_; // per line: places
+    std::vector<uint32_t> first_;           // per point of the arrangement: a place that is there
+    std::vector<uint32_t> lineOf_;          // per edge
+    std::vector<uint32_t> round_;           // half-edges by source and direction
+    std::vector<uint32_t> at_;              // their places in round_
     PlanArrangement out_;
 };
 

@@ -411,17 +411,17 @@ private:
     std::optional<glm::dvec2> mouthOf(size_t i, size_t j) const {
         std::optional<glm::dvec2> mouth;
         int ends = 0;
-        for (const WallEnd& e : ends_)
+        for (const WallEnd& e : ends_) {
+            if (e.piece != static_cast<int>(i)) continue;
             for (const WallEnd& f : ends_) {
-                if (e.piece != static_cast<int>(i) || f.piece != static_cast<int>(j) ||
-                    glm::dot(e.out, f.out) < 0)
-                    continue;
+                if (f.piece != static_cast<int>(j) || glm::dot(e.out, f.out) < 0) continue;
                 const glm::dvec2 middle = 0.5 * (e.middle + f.middle);
                 if (joined(e, f))
                     ++ends;
                 else if (firstHit(physical_, middle, e.out, -2) > 2 * width_)
                     mouth = middle;
             }
+        }
         return ends == 1 ? mouth : std::nullopt;
     }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <numbers>
 #include <set>
 
@@ -63,6 +64,11 @@ public:
     }
 
 private:
+    struct Ahead {
+        double way = 0; // to the first solid
+        int solid = -1;
+    };
+
     void add(glm::dvec2 a, glm::dvec2 b, PlanLine line) {
         if (a == b) return;
         out_.segments.push_back({a, b, static_cast<int32_t>(out_.lines.size())});
@@ -71,13 +77,19 @@ private:
 
     const WallPiece& piece(const WallEnd& end) const { return plan_.pieces[static_cast<size_t>(end.piece)]; }
 
+    const Ahead& ahead(const WallEnd& freeEnd) const { return ahead_.at({freeEnd.piece, freeEnd.atB}); }
+
     void findFreeEnds() {
         for (size_t i = 0; i < plan_.pieces.size(); ++i) {
             const WallPiece& p = plan_.pieces[i];
             if (p.curved && p.a1 - p.a0 >= 2 * kPi - 1e-9) continue;
             for (const bool atB : {false, true}) {
                 const WallEnd end = wallEnd(p, static_cast<int>(i), atB);
-                (touches(plan_.solids, end) ? joinedEnds_ : freeEnds_).push_back(end);
+                const bool joined = touches(plan_.solids, end);
+                (joined ? joinedEnds_ : freeEnds_).push_back(end);
+                if (joined) continue;
+                Ahead& ahead = ahead_[{end.piece, atB}];
+                ahead.way = firstHit(plan_.solids, end.middle, end.out, end.piece, &ahead.solid);
             }
         }
     }
@@ -89,8 +101,7 @@ private:
                 if (e.piece >= f.piece || piece(e).line < 0 || piece(e).line != piece(f).line) continue;
                 const double apart = glm::dot(f.middle - e.middle, e.out);
                 if (apart <= 0 || glm::dot(e.out, f.out) > 0 || apart > kLongestBridge) continue;
-                int hit = -1;
-                firstHit(plan_.solids, e.middle, e.out, e.piece, &hit);
+                const int hit = ahead(e).solid;
                 if (hit < 0 || plan_.solids[static_cast<size_t>(hit)].piece != f.piece) continue;
                 add(e.right, f.left, {.start = e.right, .alongSide = piece(e).line});
                 add(e.left, f.right, {.start = e.left, .alongSide = piece(e).line});
@@ -219,9 +230,7 @@ private:
         const double alongE = cross(d, f.out) / turn, alongF = cross(d, e.out) / turn;
         const double most = std::max(kLongCorner, kSharpCorner * glm::length(d));
         if (alongE < 0 || alongF < 0 || alongE + alongF > most) return {};
-        if (firstHit(plan_.solids, e.middle, e.out, e.piece) < alongE ||
-            firstHit(plan_.solids, f.middle, f.out, f.piece) < alongF)
-            return {};
+        if (ahead(e).way < alongE || ahead(f).way < alongF) return {};
         const double both = price(alongE) + price(alongF);
         // Square to both walls from their ends one goes tan(angle / 2) times as far.
         const double halfTangent = std::abs(turn) / (1 + glm::dot(e.out, f.out));
@@ -360,6 +369,7 @@ private:
     const PlanWalls& plan_;
     PlanLines out_;
     std::vector<WallEnd> freeEnds_, joinedEnds_;
+    std::map<std::pair<int, bool>, Ahead> ahead_; // of the middle of free ends
     std::set<std::pair<int, bool>> alongSide_, alongCircle_;
 };
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <map>
 #include <numbers>
 #include <optional>
 #include <span>
@@ -71,29 +72,40 @@ public:
 private:
     static double length(const WallPiece& p) { return glm::length(p.b - p.a); }
 
+    struct Side {
+        std::vector<size_t> members;
+        double length = 0, aside = 0; // of all; how far they lie off the first one's line, times length
+    };
+
     // From one of the longest pieces left. Which of several as long comes first rounding decides, as the
     // sketch lies on the table: it is the one that has most in line with it, and that best.
-    std::vector<size_t> longestSide(std::span<const size_t> byLength) const {
-        std::vector<size_t> best;
-        std::pair most{0.0, 0.0};
+    std::vector<size_t> longestSide(std::span<const size_t> byLength) {
+        const Side none;
+        const Side* best = &none;
         for (const size_t seed : byLength) {
             if (pieces_[seed].line >= 0) continue;
             if (length(pieces_[seed]) < length(pieces_[byLength[0]]) - kAsLong) break;
-            const std::vector<size_t> members = inLine(seed, byLength);
-            const glm::dvec2 d = glm::normalize(pieces_[seed].b - pieces_[seed].a);
-            double total = 0, aside = 0;
-            for (const size_t i : members) {
-                const WallPiece& p = pieces_[i];
-                total += length(p);
-                aside += length(p) * std::abs(cross(d, (p.a + p.b) / 2.0 - pieces_[seed].a));
-            }
-            if (total > most.first + kAsLong ||
-                (total > most.first - kAsLong && -aside > most.second + kAsLong)) {
-                best = members;
-                most = {total, -aside};
-            }
+            const Side& side = sideOf(seed, byLength);
+            if (side.length > best->length + kAsLong ||
+                (side.length > best->length - kAsLong && side.aside < best->aside - kAsLong))
+                best = &side;
         }
-        return best;
+        return best->members;
+    }
+
+    // As it was, where all that was found in line with the piece is still there.
+    const Side& sideOf(size_t seed, std::span<const size_t> byLength) {
+        Side& side = sides_[seed];
+        const auto isTaken = [&](size_t i) { return pieces_[i].line >= 0; };
+        if (!side.members.empty() && std::ranges::none_of(side.members, isTaken)) return side;
+        side = {.members = inLine(seed, byLength)};
+        const glm::dvec2 d = glm::normalize(pieces_[seed].b - pieces_[seed].a);
+        for (const size_t i : side.members) {
+            const WallPiece& p = pieces_[i];
+            side.length += length(p);
+            side.aside += length(p) * std::abs(cross(d, (p.a + p.b) / 2.0 - pieces_[seed].a));
+        }
+        return side;
     }
 
     std::vector<size_t> inLine(size_t seed, std::span<const size_t> byLength) const {
@@ -189,6 +201,7 @@ private:
 
     std::vector<WallPiece>& pieces_;
     std::vector<WallLine>& lines_;
+    std::map<size_t, Side> sides_; // by their first piece
 };
 
 } // namespace
