@@ -5,6 +5,7 @@
 #include <cmath>
 #include <compare>
 #include <map>
+#include <optional>
 #include <set>
 
 #include <glm/geometric.hpp>
@@ -20,6 +21,7 @@ namespace {
 constexpr double kLeast = 0.5;      // inches: less of a wall, or of an opening, is none
 constexpr double kDoor = 2;         // inches: as wide as doors are drawn
 constexpr double kAcross = 0.5;     // the sine of the angle between walls and the way from one to the other
+constexpr double kBent = 0.36;      // the sine of 21 degrees, by which pieces of one wall turn off its way
 constexpr double kAtEnd = 1;        // inches: from the end of a wall
 constexpr double kOffRow = 0.75;    // inches: by which pieces of one wall may miss one another
 constexpr double kSamePoint = 1e-6; // inches: nearer points are one but for rounding
@@ -126,17 +128,40 @@ private:
         return rows.size() == 2 && isOpenAtBothEnds(part, along, kLeast, true);
     }
 
-    // Between one straight wall and walls of other rooms, however these are bent, a door's width from them at
-    // both ends.
+    // Between one wall, straight or of pieces that turn a little, and walls of other rooms, however these are
+    // bent, a door's width from them at both ends.
     bool isBeforeFreeWall(uint32_t id, const Part& part) const {
-        const WallPiece* own = nullptr;
+        std::vector<const WallPiece*> own;
         for (const auto& [face, length] : part.walls) {
             if (length < kLeast || isSeenFromBehind(id, face)) continue;
-            const WallPiece& wall = wallOf(face);
-            if (wall.curved || (own && !inOneRow(*own, wall))) return false;
-            own = &wall;
+            if (wallOf(face).curved) return false;
+            own.push_back(&wallOf(face));
         }
-        return own && isOpenAtBothEnds(part, glm::normalize(own->b - own->a), kDoor, !part.beyond.empty());
+        const std::optional<glm::dvec2> along = wayOfOneWall(own);
+        return along && isOpenAtBothEnds(part, *along, kDoor, !part.beyond.empty());
+    }
+
+    static bool goOn(const WallPiece& p, const WallPiece& q) {
+        return std::min({glm::length(p.a - q.a), glm::length(p.a - q.b), glm::length(p.b - q.a),
+                         glm::length(p.b - q.b)}) < kAtEnd;
+    }
+
+    static std::optional<glm::dvec2> wayOfOneWall(const std::vector<const WallPiece*>& pieces) {
+        if (pieces.empty()) return std::nullopt;
+        DisjointSets parts(pieces.size());
+        glm::dvec2 along{0};
+        for (uint32_t i = 0; i < pieces.size(); ++i) {
+            const glm::dvec2 way = pieces[i]->b - pieces[i]->a;
+            along += glm::dot(way, pieces[0]->b - pieces[0]->a) < 0 ? -way : way;
+            for (uint32_t j = 0; j < i; ++j)
+                if (inOneRow(*pieces[i], *pieces[j]) || goOn(*pieces[i], *pieces[j])) parts.join(i, j);
+        }
+        along = glm::normalize(along);
+        for (uint32_t i = 0; i < pieces.size(); ++i)
+            if (parts.root(i) != parts.root(0) ||
+                std::abs(cross(along, glm::normalize(pieces[i]->b - pieces[i]->a))) > kBent)
+                return std::nullopt;
+        return along;
     }
 
     bool isPlaza(uint32_t id, const Part& part, const std::set<uint32_t>& dropped) const {
