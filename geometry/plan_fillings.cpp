@@ -32,13 +32,19 @@ constexpr double kAtHole = 0.6;        // inches: by which a wall stops short of
 constexpr double kAcross = 0.5;        // the sine of the angle between a slot and a wall that ends it
 constexpr double kBeforePocket = 1.05; // times a crack's width: what air there is before its mouth
 
+bool areOpposed(const WallEnd& e, const WallEnd& f) {
+    return glm::dot(e.out, f.out) <= -std::cos(std::asin(kFacingSine));
+}
+
 // Two ends that look at each other over a crack: the crack is the hull of the two end faces.
 std::vector<glm::dvec2> facingFill(const WallEnd& e, const WallEnd& f) {
-    if (glm::dot(e.out, f.out) > -std::cos(std::asin(kFacingSine))) return {};
+    if (!areOpposed(e, f)) return {};
     const glm::dvec2 between = f.middle - e.middle;
     // Each lies ahead of the other, not beside it.
-    if (glm::dot(between, e.out) < 0 || glm::dot(between, f.out) > 0) return {};
-    if (std::abs(cross(e.out, between)) > kFacingOffset) return {};
+    const double ahead = glm::dot(between, e.out), aside = std::abs(cross(e.out, between));
+    if (ahead < 0 || glm::dot(between, f.out) > 0 || aside > kFacingOffset) return {};
+    const double solid = 0.5 * (glm::length(e.right - e.left) + glm::length(f.right - f.left));
+    if (ahead < kTouching && aside > solid) return {}; // a sliver
     return {e.right, f.left, f.right, e.left};
 }
 
@@ -88,7 +94,26 @@ private:
         if (apart > 2.5 * width_ || (e.piece == f.piece && apart > width_)) return;
         if (apart <= width_)
             if (auto hull = facingFill(e, f); !hull.empty()) return add(hull);
-        if (e.piece != f.piece && !joined(e, f)) fillCorner(e, f);
+        if (e.piece == f.piece || joined(e, f)) return;
+        fillCorner(e, f);
+        fillPast(e, f);
+    }
+
+    bool meetsWall(const WallEnd& e) const {
+        return touches(physical_, e) || firstHit(physical_, e.middle, e.out, e.piece) <= width_;
+    }
+
+    // A divider with a step, whose parts hardly lie side by side, if at all: a bar leads across.
+    void fillPast(const WallEnd& e, const WallEnd& f) {
+        if (isCurved(e) || isCurved(f) || !areOpposed(e, f)) return;
+        const glm::dvec2 between = f.middle - e.middle;
+        const double ahead = glm::dot(between, e.out), aside = std::abs(cross(e.out, between)),
+                     solid = (thickness(e) + thickness(f)) / 2;
+        if (ahead < -kRunsBy || aside <= solid || clearance(e, f) > kNarrowSlot) return;
+        if (meetsWall(e) || meetsWall(f)) return;
+        const glm::dvec2 from = e.middle - thickness(e) / 2 * e.out, to = f.middle - thickness(f) / 2 * f.out,
+                         half = std::min(thickness(e), thickness(f)) / 2 * leftOf(glm::normalize(to - from));
+        add({from - half, to - half, to + half, from + half});
     }
 
     // By a piece from the one end to the other: a bevel, a rounding or a short side is no open corner.
