@@ -11,6 +11,8 @@
 #include "compute/gpu/device.h"
 #include "compute/light_from_outside.h"
 #include "compute/moment_light.h"
+#include "compute/outside_return.h"
+#include "compute/parallel.h"
 #include "compute/patch_slopes.h"
 #include "compute/relight_basis.h"
 #include "compute/sensor_gather.h"
@@ -38,13 +40,15 @@ struct DaylightTransport::State {
     std::unique_ptr<PointScene> points;
     std::unique_ptr<NearPairs> nearPairs;
     std::unique_ptr<LightFromOutside> outside;
+    std::unique_ptr<OutsideReturn> returned; // of rooms
+    std::vector<glm::vec3> linked; // per patch: what of its light goes by windows to others, or back
     std::unique_ptr<PatchSlopes> slopes;
     std::unique_ptr<SlopedFactors> sloped; // in `factors`
     std::unique_ptr<WindowLinks> links;
     std::vector<std::vector<float>> clear; // per channel: diffuse transmittance of clear interior glass
     SensorGather sensors;
     std::unique_ptr<DenseGather> gather;
-    std::unique_ptr<TintedFactors> tinted; // gather with what links through panes do to colours
+    std::unique_ptr<TintedFactors> tinted; // gather with what links through panes do to colours, and returned
     std::unique_ptr<RadiositySolver> solver;
     std::unique_ptr<RelightBasis> relight;
     daylight::SkyPatches skyPatches;
@@ -55,6 +59,7 @@ struct DaylightTransport::State {
 
     void makeFactors();
     std::vector<float> rowsThatReturn();
+    void makeSolver();
     void findOpenings();
     void makeSensors();
     void makeNearLight(const std::function<void(size_t)>& done);
@@ -119,6 +124,19 @@ std::vector<float> DaylightTransport::State::rowsThatReturn() {
     return sums;
 }
 
+void DaylightTransport::State::makeSolver() {
+    linked = links->rowSums();
+    const std::vector<glm::vec3> back = returned->rowSums();
+    if (linked.empty())
+        linked = back;
+    else
+        for (size_t i = 0; i < back.size(); ++i) linked[i] += back[i];
+    std::vector<float> rows = rowsThatReturn();
+    for (size_t i = 0; i < back.size(); ++i) rows[i] += std::max({back[i].x, back[i].y, back[i].z});
+    solver = std::make_unique<RadiositySolver>(*tinted, std::move(rows));
+    relight = std::make_unique<RelightBasis>(*tinted, *solver, areas);
+}
+
 // What depends on which patches are glass.
 void DaylightTransport::State::findOpenings() {
     points = std::make_unique<PointScene>(mesh);
@@ -129,11 +147,11 @@ void DaylightTransport::State::findOpenings() {
     }
     links = std::make_unique<WindowLinks>(*points, factors.values);
     gather->forgetFactors();
-    tinted = std::make_unique<TintedFactors>(*gather, *links);
-    solver = std::make_unique<RadiositySolver>(*tinted, rowsThatReturn());
-    relight = std::make_unique<RelightBasis>(*tinted, *solver, areas);
     outside =
         std::make_unique<LightFromOutside>(*points, *nearPairs, rowSums, factors.values, skyPatches, options);
+    returned = std::make_unique<OutsideReturn>(mesh, outside->reflection(), outside->patchSky().walls);
+    tinted = std::make_unique<TintedFactors>(*gather, *links, *returned);
+    makeSolver();
     report.skySeconds = outside->skySeconds();
     report.skyElements = outside->skyElements();
     report.skipped.clear();
@@ -160,11 +178,18 @@ void DaylightTransport::State::makeNearLight(const std::function<void(size_t)>& 
     if (hasNearLight) return;
     const SecondsAdded clock(report.sensorSeconds);
     findNearLight(*points, *slopes, outside->slats(), columnsPerMoment(), sensors, done);
+    sensors.returned.assign(sensors.sensors.size(), {});
+    inParallel(returned->isEmpty() ? 0 : sensors.sensors.size(), [&](size_t s) {
+        std::vector<OutsideShare> seen = sensors.walls[s];
+        seen.insert(seen.end(), sensors.near[s].walls.begin(), sensors.near[s].walls.end());
+        sensors.returned[s] = returned->rowOf(seen);
+    });
     hasNearLight = true;
 }
 
 void DaylightTransport::State::readMaterials() {
     hasNearLight = false;
+    if (!returned->isEmpty()) makeSolver(); // reflectances of outer sides
     grey = !options.skipNothing;
     for (const geometry::Material& m : mesh.materials)
         grey &= geometry::isGrey(m.reflectance) && geometry::isGrey(m.transmittance) &&
@@ -192,6 +217,7 @@ std::vector<glm::vec3> DaylightTransport::State::takeSunBack(Moment& moment) con
         std::vector<float> within, beyond(n, 0); // rooms; beyond windows all light is taken for even
         for (const glm::vec3& less : sent) within.push_back(less[c]);
         links->addLinks(static_cast<uint32_t>(c), within, beyond);
+        returned->add(static_cast<uint32_t>(c), within, beyond);
         for (size_t i = 0; i < n; ++i) moment.patches[i].interreflected[c] += lux[i][c] - beyond[i];
     }
     for (size_t i = 0; i < n; ++i) sent[i] += moment.sunSent[i];
@@ -266,7 +292,7 @@ MomentScene DaylightTransport::State::momentScene() const {
     return {mesh,
             areas,
             rowSums,
-            links->rowSums(),
+            linked,
             solver->matter(),
             clear,
             *slopes,
@@ -278,7 +304,8 @@ MomentScene DaylightTransport::State::momentScene() const {
             rowError(),
             grey,
             outside->patchSky().error,
-            outside->patchSky().range};
+            outside->patchSky().range,
+            !returned->isEmpty()};
 }
 
 void DaylightTransport::State::lightSensors(Moment& moment, const daylight::Sky& sky) const {
@@ -417,8 +444,10 @@ TransportParts DaylightTransport::parts() {
             state.sensors.sensors,
             state.sensors.room,
             state.sensors.tinted,
+            state.sensors.returned,
             state.sensors.near,
             *state.links,
+            *state.returned,
             *state.points,
             state.skyPatches,
             state.outside->sunScene(),

@@ -122,10 +122,12 @@ struct TransportParts {
     std::span<const float> sensorEven;         // the same for light that does not, the sun's first bounce
     std::span<const Sensor> sensors;
     std::span<const uint32_t> sensorRooms;
-    std::span<const std::vector<TintedShare>> tinted; // per sensor, to be added to these in each channel
-    std::span<const NearLight> near;                  // per sensor
-    const WindowLinks& links;                         // part of what `gather` does
-    const PointScene& points;                         // for what points see
+    std::span<const std::vector<TintedShare>> tinted;   // per sensor, to be added to these in each channel
+    std::span<const std::vector<TintedShare>> returned; // likewise
+    std::span<const NearLight> near;                    // per sensor
+    const WindowLinks& links;                           // part of what `gather` does
+    const OutsideReturn& returnedOutside;               // likewise
+    const PointScene& points;                           // for what points see
     const daylight::SkyPatches& sky;
     const SunScene& sun;        // for SunPatches of many hours
     const SunBounce* sunBounce; // null without openings

@@ -308,9 +308,10 @@ std::vector<float> unevenSky(const MomentScene& scene, const Moment& moment, std
     return uneven;
 }
 
-// Lux of one channel at a sensor; what of it slats' lobes give, in `byLobes`.
+// Lux of one channel at a sensor; what of it slats' lobes give, in `byLobes`, and what comes back from
+// outside, in `returned`.
 double receivedIn(const SensorGather& sensors, const SensedLight& light, size_t sensor, int c,
-                  double& byLobes) {
+                  double& byLobes, double& returned) {
     const std::vector<float>&smooth = light.smooth[c], &even = light.even[c], &lobes = light.lobes[c];
     const size_t n = smooth.size();
     double lux = dot({&sensors.smooth[sensor * n], n}, smooth);
@@ -320,8 +321,15 @@ double receivedIn(const SensorGather& sensors, const SensedLight& light, size_t 
         byLobes = dot(rows[rows[c].empty() ? 0 : c], lobes);
         lux += byLobes;
     }
-    for (const TintedShare& share : sensors.tinted[sensor])
-        lux += double{share.more[c]} * (smooth[share.patch] + (light.sun ? even[share.patch] : 0));
+    const auto add = [&](const std::vector<TintedShare>& more) {
+        double sum = 0;
+        for (const TintedShare& share : more)
+            sum += double{share.more[c]} * (smooth[share.patch] + (light.sun ? even[share.patch] : 0));
+        lux += sum;
+        return sum;
+    };
+    add(sensors.tinted[sensor]);
+    returned = add(sensors.returned[sensor]);
     if (const NearLight& near = sensors.near[sensor]; !near.isEmpty()) {
         lux += double{near.own[c]} + dot(near.smooth[c], smooth);
         if (light.sun) lux += dot(near.even[c], even);
@@ -332,10 +340,12 @@ double receivedIn(const SensorGather& sensors, const SensedLight& light, size_t 
 
 // Adds that to what a sensor gets; returns what lobes give, photometric.
 double receive(const MomentScene& scene, const SensedLight& light, size_t sensor, LightParts& parts) {
-    glm::dvec3 byLobes(0);
+    glm::dvec3 byLobes(0), returned(0);
     for (int c = 0; c < (scene.grey ? 1 : 3); ++c)
         parts.interreflected[c] +=
-            static_cast<float>(receivedIn(scene.sensors, light, sensor, c, byLobes[c]));
+            static_cast<float>(receivedIn(scene.sensors, light, sensor, c, byLobes[c], returned[c]));
+    parts.error +=
+        static_cast<float>(kReturnUnsure * (scene.grey ? returned.x : photometric(glm::vec3(returned))));
     if (!scene.grey) return photometric(glm::vec3(byLobes));
     parts.interreflected = glm::vec3(parts.interreflected.x);
     return byLobes.x;
@@ -424,6 +434,9 @@ void lightPatches(const MomentScene& scene, const SolvedColumns& solved, Moment&
     }
     mean /= std::max(total, 1e-30);
     moment.report.lumensIn = in;
+    for (size_t i = 0; scene.returns && i < n; ++i)
+        moment.unsureLumens +=
+            kReturnUnsure * scene.areas[i] * photometric(scene.linked[i] * moment.lighting.exitance[i]);
     setPatchErrors(scene, solved, mean, moment);
     moment.report.lumensAbsorbed = absorbed;
     moment.report.lumensLost = lost;

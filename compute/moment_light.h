@@ -19,7 +19,8 @@ struct MomentScene {
     const geometry::PatchMesh& mesh;
     std::span<const double> areas;
     std::span<const float> rowSums;    // of form factors, without what runs through panes
-    std::span<const glm::vec3> linked; // per patch: sum of its links through panes; empty without any
+    std::span<const glm::vec3> linked; // per patch: sum of its links through panes, and of what comes back
+                                       // from outside; empty without any
     const RadiosityMatter& matter;
     const std::vector<std::vector<float>>&
         clear; // per channel: diffuse transmittance of clear interior glass
@@ -32,6 +33,7 @@ struct MomentScene {
     double rowError;                           // of form factors
     bool grey;                                 // one column stands for three
     std::span<const float> skyError, skyRange; // per patch, PatchSky; empty without openings
+    bool returns;                              // light of rooms comes back from outside, as `linked` has it
 };
 
 // Columns of the solution from `first` on, one a channel: patches each.

@@ -72,8 +72,8 @@ Surroundings surroundings(const OutsideCells& outside, size_t at, double toleran
 class CellView {
 public:
     CellView(const PointScene& scene, const OutsideCell& cell, const Surroundings& around)
-        : cells_(scene.outside()), around_(around), view_(scene.blockers(), cell.centre, cell.normal),
-          least_(scene.blockers().tolerance()) {
+        : scene_(scene), cells_(scene.outside()), around_(around),
+          view_(scene.blockers(), cell.centre, cell.normal), least_(scene.blockers().tolerance()) {
         for (const PointView::Polygon& polygon : around.hiding) hiding_.push_back(&polygon);
     }
 
@@ -95,6 +95,7 @@ public:
                     lux[element] += static_cast<float>(std::numbers::pi * factor);
                 });
         }
+        seeThroughRooms(sky, lux);
     }
 
     std::vector<OutsideShare> others() const {
@@ -118,6 +119,28 @@ public:
     }
 
 private:
+    // Light that comes in by one window and goes out by another.
+    void seeThroughRooms(const daylight::SkyPatches& sky, std::span<float> lux) const {
+        PointView::Polygon halves[2];
+        scene_.forOutsideThrough(
+            view_, view_.hidingBehind(hiding_),
+            [&](const PointView::Polygon& part, const PointScene::GlassBefore& glass) {
+                splitAtHorizon(part, halves[0], halves[1]);
+                for (const PointView::Polygon& half : halves) {
+                    if (half.size() < 3) continue;
+                    const bool above = &half == halves;
+                    forSamples(view_, half, kSkyAngle, [&](dvec3 centre, double factor) {
+                        const dvec3 towards = glm::normalize(centre);
+                        const size_t element = above ? sky.elementOf(towards) : sky.groundElement();
+                        lux[element] += static_cast<float>(
+                            std::numbers::pi * factor *
+                            geometry::photometric(glm::vec3(glass.transmittance(towards))));
+                    });
+                }
+            });
+    }
+
+    const PointScene& scene_;
     const OutsideCells& cells_;
     const Surroundings& around_;
     PointView view_;

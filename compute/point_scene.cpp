@@ -26,16 +26,6 @@ namespace {
 // leaves send a hundredth of a room's light, and would take ten times as long as without.
 constexpr double kMostPairs = 30'000;
 
-// The parts of a polygon above and below the horizontal plane through the point.
-void splitAtHorizon(const PointView::Polygon& polygon, PointView::Polygon& sky, PointView::Polygon& ground) {
-    geometry::clip<dvec3>(
-        polygon, [](const dvec3& p) { return p.y; }, sky);
-    geometry::clip<dvec3>(
-        polygon, [](const dvec3& p) { return -p.y; }, ground);
-    for (dvec3& p : sky) p.y = std::max(p.y, 0.0);
-    for (dvec3& p : ground) p.y = std::min(p.y, 0.0);
-}
-
 // What of a convex polygon lies more than `least` behind a plane.
 void behind(std::span<const dvec3> polygon, dvec3 origin, dvec3 normal, double least,
             PointView::Polygon& result) {
@@ -337,6 +327,23 @@ void PointScene::forOutside(const PointView& view, uint32_t room, const OutsideW
     forRoomsSeen(view, {room, {}}, [&](const PointView& seen, const RoomBeyond& beyond) {
         outsideOf(seen, beyond, work, byWall);
     });
+}
+
+void PointScene::forOutsideThrough(const PointView& view, const PointView::Hiding& hiding,
+                                   const OutsideWork& work) const {
+    std::vector<PointView::Polygon> parts;
+    for (const Opening& opening : openings_) {
+        const dvec3 away = view.position() - opening.region.corners[0];
+        if (!window(opening).passesStraight() || glm::dot(away, opening.normal) >= -blockers_.tolerance() ||
+            view.factor(opening.region.corners, parts) <= 0)
+            continue;
+        view.hideBehind(hiding, parts);
+        const RoomBeyond within{opening.region.room, {{&window(opening), opening.normal, true}}};
+        for (const PointView::Polygon& part : parts)
+            forRoomsSeen(
+                view.through(blockers_, part, within.room), within,
+                [&](const PointView& seen, const RoomBeyond& beyond) { outsideOf(seen, beyond, work, {}); });
+    }
 }
 
 void PointScene::outsideOf(const PointView& view, const RoomBeyond& beyond, const OutsideWork& work,

@@ -90,6 +90,10 @@ public:
     using OutsideWallWork = std::function<void(const PointView::Polygon&, size_t region, const GlassBefore&)>;
     void forOutside(const PointView& view, uint32_t room, const OutsideWork& work,
                     const OutsideWallWork& byWall = {}) const;
+    // The same of sky and ground for a point outside, that looks in by openings and out by others; `hiding`:
+    // what stands before it. It has no room.
+    void forOutsideThrough(const PointView& view, const PointView::Hiding& hiding,
+                           const OutsideWork& work) const;
     const OutsideCells& outside() const { return outside_; }
     // False where no opening can show a point the sky between the horizon and `slope`, the tangent of an
     // altitude; a quick look.

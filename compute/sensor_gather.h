@@ -60,6 +60,8 @@ struct SensorGather {
     std::vector<std::array<std::vector<float>, 3>> slats;
     SkyView sky;
     std::vector<std::vector<OutsideShare>> walls; // per sensor
+    // Per sensor: light of rooms that comes back to it from outside, to be added to both rows; with `near`.
+    std::vector<std::vector<TintedShare>> returned;
 };
 SensorGather gatherSensors(const PointScene& scene, const PatchSlopes& slopes, const SlatLobes& slats,
                            const NearWalls& nearWalls, std::vector<Sensor> sensors, uint32_t channels);

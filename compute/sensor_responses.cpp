@@ -15,12 +15,16 @@ namespace {
 
 constexpr size_t kColumnsAtOnce = 48; // right-hand sides that share passes over F
 
-// A sensor's row in one channel, with what tinted panes make of it and what the walls beside it add; `near`
+// A sensor's row in one channel, with what tinted panes make of it and what comes back from outside and the
+// walls beside it add; `near`
 // is empty without any.
-std::vector<float> rowWith(std::span<const float> row, std::span<const TintedShare> tinted, size_t channel,
-                           const std::vector<float>& near) {
+std::vector<float> rowWith(const TransportParts& parts, std::span<const float> rows, size_t sensor,
+                           size_t channel, const std::vector<float>& near) {
+    const size_t n = rows.size() / parts.sensors.size();
+    const std::span<const float> row = rows.subspan(sensor * n, n);
     std::vector<float> sum(row.begin(), row.end());
-    for (const TintedShare& share : tinted) sum[share.patch] += share.more[static_cast<int>(channel)];
+    for (const auto* more : {&parts.tinted[sensor], &parts.returned[sensor]})
+        for (const TintedShare& share : *more) sum[share.patch] += share.more[static_cast<int>(channel)];
     for (size_t i = 0; i < near.size(); ++i) sum[i] += near[i];
     return sum;
 }
@@ -65,8 +69,10 @@ void SensorResponder::takeFactors(const TransportParts& parts) {
         adjoint_ = gpu::Buffer::from(parts.device, adjoint, "form factors of importance");
         gather_ = std::make_unique<RadiosityGather>(parts.device, adjoint_, static_cast<uint32_t>(n));
     }
-    tinted_.emplace(*gather_, parts.links);
+    tinted_.emplace(*gather_, parts.links, parts.returnedOutside);
     for (size_t i = 0; i < parts.links.rowSums().size(); ++i) sums[i] += parts.links.mostTint(i);
+    const std::vector<glm::vec3> back = parts.returnedOutside.rowSums();
+    for (size_t i = 0; i < back.size(); ++i) sums[i] += std::max({back[i].x, back[i].y, back[i].z});
     solver_.emplace(*tinted_, std::move(sums));
     solver_->setMatter(parts.solver.matter());
 }
@@ -107,8 +113,8 @@ SensorResponder::Importance SensorResponder::importanceOf(const TransportParts& 
     for (size_t k = 0; k < columns; ++k) {
         const size_t s = first + k / parts.channels;
         channel.push_back(static_cast<uint32_t>(k % parts.channels));
-        const std::vector<float> seen = rowWith(parts.sensorFactors.subspan(s * n, n), parts.tinted[s],
-                                                channel[k], parts.near[s].smooth[channel[k]]);
+        const std::vector<float> seen =
+            rowWith(parts, parts.sensorFactors, s, channel[k], parts.near[s].smooth[channel[k]]);
         for (size_t i = 0; i < n; ++i) perArea[i] = seen[i] / area_[i];
         matter.reflect<float>(channel[k], perArea, {&result.sent[k * n], n});
     }
@@ -125,6 +131,7 @@ SensorResponder::Importance SensorResponder::importanceOf(const TransportParts& 
     inParallel(columns, [&](size_t k) {
         const std::span<float> own{&within[k * n], n};
         parts.links.addLinks(channel[k], {&all[k * n], n}, own);
+        parts.returnedOutside.add(channel[k], {&all[k * n], n}, own);
         for (size_t i = 0; i < n; ++i) own[i] = result.even[k * n + i] - own[i];
     });
     parts.sloped.takeBackImportance(all, within, result.even);
@@ -140,10 +147,8 @@ void SensorResponder::addAnswers(const TransportParts& parts, const Importance& 
     double own = 0;
     std::vector<float> later(n); // answer to what falls on patches, but for what the sensor sees itself
     for (size_t c = 0; c < parts.channels; ++c) {
-        const auto seenRow = parts.sensorFactors.subspan(s * n, n),
-                   evenRow = parts.sensorEven.subspan(s * n, n);
-        const std::vector<float> seen = rowWith(seenRow, parts.tinted[s], c, near.smooth[c]),
-                                 even = rowWith(evenRow, parts.tinted[s], c, near.even[c]);
+        const std::vector<float> seen = rowWith(parts, parts.sensorFactors, s, c, near.smooth[c]),
+                                 even = rowWith(parts, parts.sensorEven, s, c, near.even[c]);
         const std::vector<float>& rho = parts.solver.matter().reflectance[c];
         const size_t at = (k * parts.channels + c) * n;
         for (size_t i = 0; i < n; ++i) later[i] = area_[i] * (sent.once[at + i] + sent.rest[at + i]);

@@ -12,6 +12,7 @@
 #include <glm/vec3.hpp>
 
 #include "compute/point_view.h"
+#include "geometry/clip_polygon.h"
 
 namespace heliodon::compute {
 
@@ -95,6 +96,17 @@ void forSamples(const PointView& view, std::span<const glm::dvec3> part, double 
     const double scale = scaleOfCells(view.unhinderedFactor(part), weights) / std::numbers::pi;
     forCells(part, view.normal(), angle,
              [&](glm::dvec3 centre, double weight) { work(centre, scale * weight); });
+}
+
+// The parts of a polygon above and below the horizontal plane through the point.
+inline void splitAtHorizon(const PointView::Polygon& polygon, PointView::Polygon& sky,
+                           PointView::Polygon& ground) {
+    geometry::clip<glm::dvec3>(
+        polygon, [](const glm::dvec3& p) { return p.y; }, sky);
+    geometry::clip<glm::dvec3>(
+        polygon, [](const glm::dvec3& p) { return -p.y; }, ground);
+    for (glm::dvec3& p : sky) p.y = std::max(p.y, 0.0);
+    for (glm::dvec3& p : ground) p.y = std::min(p.y, 0.0);
 }
 
 } // namespace heliodon::compute

@@ -93,10 +93,14 @@ void WindowLinks::addTints(uint32_t channel, std::span<const float> in, std::spa
 void TintedFactors::gatherIn(std::span<const uint32_t> channel, std::span<const float> in,
                              std::span<float> out) {
     gather(in, out, static_cast<uint32_t>(channel.size()));
-    if (!links_->areTinted()) return;
+    if (!links_->areTinted() && returned_->isEmpty()) return;
     const size_t n = patchCount();
-    inParallel(channel.size(),
-               [&](size_t c) { links_->addTints(channel[c], in.subspan(c * n, n), out.subspan(c * n, n)); });
+    inParallel(channel.size(), [&](size_t c) {
+        const std::span<const float> from = in.subspan(c * n, n);
+        const std::span<float> to = out.subspan(c * n, n);
+        if (links_->areTinted()) links_->addTints(channel[c], from, to);
+        returned_->add(channel[c], from, to);
+    });
 }
 
 void WindowLinks::remove(gpu::Buffer& factors) const {

@@ -10,6 +10,7 @@
 
 #include "compute/form_factor_operator.h"
 #include "compute/gpu/buffer.h"
+#include "compute/outside_return.h"
 #include "compute/point_scene.h"
 
 namespace heliodon::compute {
@@ -51,11 +52,12 @@ private:
     std::vector<TintedShare> tints_;
 };
 
-// F with links that differ from channel to channel. `factors` has them already; both must outlive this.
+// F with links that differ from channel to channel, and with what comes back from outside. `factors` has the
+// links already; all must outlive this.
 class TintedFactors : public FormFactorOperator {
 public:
-    TintedFactors(FormFactorOperator& factors, const WindowLinks& links)
-        : factors_(&factors), links_(&links) {}
+    TintedFactors(FormFactorOperator& factors, const WindowLinks& links, const OutsideReturn& returned)
+        : factors_(&factors), links_(&links), returned_(&returned) {}
     uint32_t patchCount() const override { return factors_->patchCount(); }
     void gather(std::span<const float> in, std::span<float> out, uint32_t columns) override {
         factors_->gather(in, out, columns);
@@ -66,6 +68,7 @@ public:
 private:
     FormFactorOperator* factors_;
     const WindowLinks* links_;
+    const OutsideReturn* returned_;
 };
 
 } // namespace heliodon::compute

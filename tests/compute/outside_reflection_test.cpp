@@ -386,6 +386,40 @@ TEST(OutsideReflection, blinds_glow_with_it) {
     }
 }
 
+// A second, large window lights a wall close before the first: by the room's own light, and by sky that is
+// seen from there through both. What comes back of it is a third of what the first sensor gets.
+TEST(OutsideReflection, light_of_rooms_comes_back) {
+    test::BoxRoom box{.cells = {4, 3, 5}};
+    box.wall.reflectance = glm::vec3(0.8f);
+    box.isGlass = [](dvec3 p) {
+        return (p.z < 1e-9 && p.x > 1 && p.x < 3 && p.y > 1 && p.y < 2) || p.z > 5 - 1e-9;
+    };
+    geometry::PatchMesh mesh = test::boxRoom(box);
+    test::wallOutside(mesh, {8, -0.5}, {-4, -0.5}, 0, 9, 0.85f);
+    const std::vector<Sensor> sensors{
+        {{2, 1.5, 0.3}, {0, 0, -1}}, {{2, 1.5, 2}, {0, 0, -1}}, {{2, 0.8, 0.5}, {0, 1, 0}}};
+    const std::vector<daylight::Sky> hours{test::overcast(), test::sunny({0.2, 0.8, 0.5})};
+    const geometry::PatchMesh faces = test::withOutsideAsPatches(mesh);
+    DaylightTransport transport(test::device(), mesh);
+    const size_t count = sensors.size() * hours.size();
+    std::vector<float> all(count), sun(count), error(count);
+    AnnualDaylight year(transport, hours, sensors.size());
+    year.sensors(sensors, all, sun, error);
+    for (size_t h = 0; h < hours.size(); ++h) {
+        test::PathTracer tracer(faces, hours[h]);
+        const Moment moment = transport.light(hours[h]);
+        EXPECT_LT(moment.report.energyImbalance, 1e-3);
+        for (size_t s = 0; s < sensors.size(); ++s) {
+            const auto traced = tracer.at(sensors[s], 30);
+            const double here = lux(moment.sensors[s].total());
+            EXPECT_NEAR(here, traced.lux, double{moment.sensors[s].error} + 3 * traced.standardError)
+                << h << ", " << s;
+            EXPECT_NEAR(here, traced.lux, 0.06 * traced.lux) << h << ", " << s;
+            EXPECT_NEAR(all[s * hours.size() + h], here, 4e-3 * here) << h << ", " << s;
+        }
+    }
+}
+
 // Hour by hour as moment by moment, also where the sun reaches what stands outside alone.
 TEST(OutsideReflection, years_have_it) {
     for (const char* state : {"open", "fabric:0.3,0.4", "slats:30"}) {
