@@ -7,7 +7,6 @@
 #pragma once
 
 #include <cstdint>
-#include <initializer_list>
 #include <span>
 #include <vector>
 
@@ -31,7 +30,7 @@ public:
     bool isEmpty() const { return seen_.empty(); }
     // out += what comes back to patches of their exitance `in`, in one channel. Some 0.3 ms.
     void add(uint32_t channel, std::span<const float> in, std::span<float> out) const;
-    // The same for a place that sees these cells, from each patch; `own`: in some order.
+    // The same for a place that sees these cells, from each patch.
     std::vector<TintedShare> rowOf(std::span<const OutsideShare> own) const;
     // Per patch and channel, what comes back of an exitance of 1 all round; empty where nothing does.
     std::vector<glm::vec3> rowSums() const;
