@@ -48,24 +48,49 @@ double distanceToEdge(const glm::dvec3& p, const glm::dvec3& a, const glm::dvec3
     return glm::distance(p, a + std::clamp(t, 0.0, 1.0) * edge);
 }
 
-double leastDistance(const RadiatingPiece& corners, const RadiatingPiece& edges) {
-    double least = std::numeric_limits<double>::infinity();
-    for (const glm::dvec3& p : corners.corners)
-        for (size_t k = 0; k < edges.corners.size(); ++k)
-            least = std::min(
-                least, distanceToEdge(p, edges.corners[k], edges.corners[(k + 1) % edges.corners.size()]));
+// Of two edges, and of borders, of which those that cross one another, seen along what is shortest between
+// them, are nearest between their ends.
+struct Apart {
+    double anywhere = std::numeric_limits<double>::infinity(), crossing = anywhere;
+};
+
+Apart edgesApart(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c, const glm::dvec3& d) {
+    const glm::dvec3 u = b - a, v = d - c, across = glm::cross(u, v), from = c - a;
+    const double square = glm::dot(across, across);
+    if (square > 0) {
+        const double s = glm::dot(glm::cross(from, v), across) / square,
+                     t = glm::dot(glm::cross(from, u), across) / square,
+                     distance = std::abs(glm::dot(from, across)) / std::sqrt(square);
+        if (s > 0 && s < 1 && t > 0 && t < 1) return {distance, distance};
+    }
+    return {std::min(std::min(distanceToEdge(a, c, d), distanceToEdge(b, c, d)),
+                     std::min(distanceToEdge(c, a, b), distanceToEdge(d, a, b)))};
+}
+
+Apart bordersApart(const RadiatingPiece& a, const RadiatingPiece& b) {
+    const size_t m = a.corners.size(), n = b.corners.size();
+    Apart least;
+    for (size_t k = 0; k < m; ++k)
+        for (size_t l = 0; l < n; ++l) {
+            const Apart one =
+                edgesApart(a.corners[k], a.corners[(k + 1) % m], b.corners[l], b.corners[(l + 1) % n]);
+            least = {std::min(least.anywhere, one.anywhere), std::min(least.crossing, one.crossing)};
+        }
     return least;
 }
 
 bool byContour(const RadiatingPiece& a, const RadiatingPiece& b, double tolerance) {
     const double size = std::max(a.size, b.size), flat = std::min(kFlat, kRounding / tolerance) * size,
                  near = std::max(flat, kNearly * size);
-    if (glm::distance(a.corners[0], b.corners[0]) > a.size + b.size + near) return false;
+    const bool narrow = isNarrow(a) || isNarrow(b), needles = isNarrow(a) && isNarrow(b);
+    const double reach = narrow ? kFlat * size : near;
+    if (glm::distance(a.corners[0], b.corners[0]) > a.size + b.size + reach) return false;
     const Heights ofA = heightsOver(b, a), ofB = heightsOver(a, b);
     if (std::min(ofA.highest, ofB.highest) < flat) return true;
-    if (std::max(ofA.lowest, ofB.lowest) > near) return false;
-    const double apart = std::min(leastDistance(a, b), leastDistance(b, a));
-    return (isNarrow(a) && isNarrow(b) && apart < flat) || (apart > kTouch * size && apart < kNearly * size);
+    if (std::max(ofA.lowest, ofB.lowest) > reach) return false;
+    const Apart apart = bordersApart(a, b);
+    return (narrow && apart.crossing < kFlat * size) || (needles && apart.anywhere < flat) ||
+           (apart.anywhere > kTouch * size && apart.anywhere < kNearly * size);
 }
 
 glm::uvec2 fixedPoint(double value) {
