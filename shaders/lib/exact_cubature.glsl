@@ -212,9 +212,10 @@ vec2 integrate(vec2 a, vec2 b, vec2 c, bool mayTurn, out bool turned) {
     mayTurn = mayTurn && mayBeSplit && !bent && most * kMissed > params.tolerance;
     turned = false;
     if (mayTurn || !split && share > 0.0) {
-        // At small tolerances cells are so small that probes cost more than they find.
-        bool probed =
-            params.quick != 0u && pair.r.listed > 0u && !crowded() && share * most * kMissed > params.tolerance;
+        // At small tolerances cells are so small that probes cost more than they find. A border of the other piece
+        // along a row of bent cells, or across a needle's, may pass all their points alike.
+        float hiding = bent ? share * most : pair.r.listed > 0u ? share * most * kMissed : 0.0;
+        bool probed = params.quick != 0u && !crowded() && hiding > params.tolerance;
         result = share * overCell(a, b, c, quick, probed);
         if (bent) result.y += missedAtBorder(middle, share);
         turned = mayTurn && (views == kSeesNothing || views == kSeesAll);

@@ -82,5 +82,27 @@ TEST(OpenPairs, needles_that_cross_another_plate_keep_their_claims) {
         EXPECT_LE(beyondTheirClaim(polygons, asked), kPairs / 100) << asked;
 }
 
+// A border along a row of cells, nearer to their edge than their outermost points, was missed by all of them.
+TEST(OpenPairs, plates_that_share_an_edge_or_stand_over_one_another_keep_their_claims) {
+    Random random(2);
+    std::vector<Polygon> polygons;
+    while (polygons.size() < 2 * kPairs) {
+        const bool wedge = random.coin();
+        const double angle = wedge ? 0 : random.between(0, 6.28), rise = random.scale(3e-2, 3),
+                     height = wedge ? 0 : random.scale(1e-3, 5e-3);
+        const glm::dvec3 along(std::cos(angle), std::sin(angle), 0), across(-along.y, along.x, 0),
+            up = std::cos(rise) * across + std::sin(rise) * glm::dvec3(0, 0, 1);
+        polygons.push_back(plate(random, {0, 0, 0}, {1, 0, 0}, {0, 1 / random.scale(1, 20), 0}));
+        const Polygon& floor = polygons.back();
+        Polygon over = plate(random, {0, 0, 0}, along, up / random.scale(0.5, 20));
+        const glm::dvec3 move =
+            (wedge ? floor[0] : glm::dvec3(random.between(-0.5, 0.5), 0, height)) - over[0];
+        for (glm::dvec3& p : over) p += move;
+        polygons.push_back(turnedDown(std::move(over)));
+    }
+    for (const double asked : {1e-2, 1e-3})
+        EXPECT_LE(beyondTheirClaim(polygons, asked), kPairs / 100) << asked;
+}
+
 } // namespace
 } // namespace heliodon::compute
