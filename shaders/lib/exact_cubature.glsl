@@ -214,7 +214,7 @@ vec2 integrate(vec2 a, vec2 b, vec2 c, bool mayTurn, out bool turned) {
     if (mayTurn || !split && share > 0.0) {
         // At small tolerances cells are so small that probes cost more than they find. A border of the other piece
         // along a row of bent cells, or across a needle's, may pass all their points alike.
-        float hiding = bent ? share * most : pair.r.listed > 0u ? share * most * kMissed : 0.0;
+        float hiding = bent ? share * most : pair.r.listed > 0u ? sqrt(share) * most * kMissed : 0.0;
         bool probed = params.quick != 0u && !crowded() && hiding > params.tolerance;
         result = share * overCell(a, b, c, quick, probed);
         if (bent) result.y += missedAtBorder(middle, share);

@@ -347,6 +347,21 @@ TEST(ExactFormFactors, strips_along_a_corridor_keep_their_claims) {
     }
 }
 
+// The sheet crosses the wall a tenth of its height above its foot: the border of the shadow runs along a row
+// of cells, nearer to their edge than their outermost points, and the wall was off by 3.9e-4, claimed 2.5e-5.
+TEST(ExactFormFactors, borders_of_shadows_along_rows_of_cells_are_found) {
+    const double cut = 0.0811466224, foot = 0.0619800714, y = 0.459877722;
+    const reference::Polygon floor{{0, 0, 0}, {1, 0, 0}, {1, y, 0}, {0, y, 0}};
+    const auto wall = [y](double low, double high) {
+        return reference::Polygon{
+            {-0.47101258, y, low}, {0.52898742, y, low}, {0.52898742, y, high}, {-0.47101258, y, high}};
+    };
+    const reference::Polygon sheet{{-1, -1, cut}, {2, -1, cut}, {2, 2, cut}, {-1, 2, cut}};
+    const std::vector<float> F = matrixOf(test::meshOf({floor, wall(foot, 0.262606418), sheet}), 1e-4);
+    const double lit = contourExchange(floor, wall(foot, cut)), area = 0.262606418 - foot;
+    EXPECT_NEAR(F[3], lit / area, 5e-5);
+}
+
 // Of the upper of two slats, 0.5 mm thick, points high on the wall see top and front edge, the latter
 // edge-on: a shadow as thin as rounding beside another. What both cover came out as a hundred times the light
 // there is: pairs were 9 % off.
