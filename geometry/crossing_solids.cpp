@@ -417,8 +417,8 @@ private:
         return beyond > kMuchOutside * all;
     }
 
-    // What lies on another surface that looks the same way is the earlier body's. Of what only comes near one,
-    // where both part at a small angle, its own place tells.
+    // What lies on another surface that looks the same way is the earlier body's. Of what only comes near
+    // one, where both part at a small angle, its own place tells.
     bool isCovered(const FlatFace& piece, uint32_t body) const {
         return std::ranges::any_of(meets_, [&](uint32_t other) {
             if (other == body) return false;
