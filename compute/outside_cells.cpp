@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
@@ -20,9 +21,35 @@ namespace {
 constexpr double kCoarser = 1.5; // cells, at a time
 constexpr double kRowsLast = 4;  // how much coarser cells get along boards before they do across
 constexpr double kRounding = 1e-3;
+constexpr double kMixed = 64; // as much coarser, there are too many windows for cells round each of them
 // Of what a cell sends: what cells and black glass leave; of boards, each time that cells are made coarser
 // (docs/accuracy.md).
 constexpr double kUnsure = 0.04, kUnsureOfBoards = 0.08, kMostUnsure = 1;
+
+struct Cut {
+    dvec3 normal{0};
+    double offset = 0;
+};
+
+// Of the edges of glass that is part of a polygon, the one that halves it best: light falls on the wall
+// beside a window, and a reveal that sees nothing but the glass gets none of it back.
+std::optional<Cut> cutAtGlass(std::span<const dvec3> polygon, const OutsidePlan& plan) {
+    std::optional<Cut> best;
+    double uneven = 0.5 - kRounding;
+    for (const ConvexRegion* const& glass : plan.glass) {
+        const std::vector<MaterialShare> shares = materialsOn(polygon, {&glass, 1});
+        if (shares.empty() || shares[0].share > 1 - kRounding) continue;
+        for (size_t k = 0; k < glass->corners.size(); ++k) {
+            const dvec3 a = glass->corners[k], b = glass->corners[(k + 1) % glass->corners.size()],
+                        normal = glm::normalize(glm::cross(plan.normal, b - a));
+            const geometry::Extent extent = geometry::extentAlong(polygon, normal);
+            const double offset = glm::dot(normal, a),
+                         off = std::abs(offset - 0.5 * (extent.low + extent.high)) / extent.length();
+            if (off < uneven) uneven = off, best = Cut{normal, offset};
+        }
+    }
+    return best;
+}
 
 } // namespace
 
@@ -86,9 +113,11 @@ uint32_t OutsideCells::cut(std::vector<dvec3> polygon, const OutsidePlan& plan, 
                  overV = alongV.length() / row;
     const bool isWide = overU >= overV;
     const geometry::Extent& extent = isWide ? alongU : alongV;
+    const std::optional<Cut> atGlass = coarser < kMixed ? cutAtGlass(polygon, plan) : std::nullopt;
     const auto own = static_cast<uint32_t>(nodes_.size());
     Node& node = nodes_.emplace_back();
-    node.normal = isWide ? plan.u : plan.v, node.offset = 0.5 * (extent.low + extent.high);
+    const Cut at = atGlass.value_or(Cut{isWide ? plan.u : plan.v, 0.5 * (extent.low + extent.high)});
+    node.normal = at.normal, node.offset = at.offset;
     std::array<std::vector<dvec3>, 2> halves;
     for (const size_t beyond : {0u, 1u})
         geometry::clip<dvec3>(
@@ -97,7 +126,7 @@ uint32_t OutsideCells::cut(std::vector<dvec3> polygon, const OutsidePlan& plan, 
                 return sign * (glm::dot(p, node.normal) - node.offset);
             },
             halves[beyond]);
-    if (std::max(overU, overV) <= 1 + kRounding || halves[0].empty() || halves[1].empty() ||
+    if ((!atGlass && std::max(overU, overV) <= 1 + kRounding) || halves[0].empty() || halves[1].empty() ||
         cells_.size() > most) {
         node.cell = static_cast<uint32_t>(cells_.size());
         const dvec3 centre = viewCell(polygon, plan.normal).centre;

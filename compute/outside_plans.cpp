@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
@@ -108,6 +109,9 @@ private:
         if (std::ranges::none_of(its, [&](const ConvexRegion* lining) { return hasColour(lining->group); }))
             return;
         OutsidePlan& plan = add(r);
+        std::ranges::copy_if(its, std::back_inserter(plan.glass), [&](const ConvexRegion* lining) {
+            return mesh_.materials[lining->group].isOpening();
+        });
         plan.linings = std::move(its), plan.targets = std::move(targets);
     }
 

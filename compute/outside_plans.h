@@ -23,6 +23,7 @@ struct OutsidePlan {
     uint32_t region;
     glm::dvec3 normal, u, v;                  // right-handed: u along its longest side, v, normal
     std::vector<const ConvexRegion*> linings; // of an outer side of rooms: what lies in its plane
+    std::vector<const ConvexRegion*> glass;   // of these
     std::vector<Target> targets;
     // Of boards close before one another, as louvres are: light between them falls off across their depth,
     // and along them it changes little.

@@ -277,6 +277,36 @@ TEST(OutsideReflection, outer_sides_of_rooms_have_the_light_of_traced_paths) {
     }
 }
 
+// A reveal sees nothing of its own facade but the glass in it, however large the cells of that are.
+TEST(OutsideReflection, walls_beside_glass_send_nothing_into_its_reveal) {
+    std::vector<std::vector<glm::vec3>> sent;
+    for (const float reflectance : {0.0F, 0.9F}) {
+        const double left = 12.0 / 7, right = 16.0 / 7;
+        test::BoxRoom box{.cells = {7, 3, 5}};
+        box.isGlass = [&](dvec3 p) {
+            return p.z < 1e-9 && p.x > left && p.x < right && p.y > 1 && p.y < 2;
+        };
+        box.wall.reflectance = glm::vec3(reflectance);
+        geometry::PatchMesh mesh = test::boxRoom(box);
+        test::wallOutside(mesh, {left, -0.3}, {left, 0}, 1, 2, 0.7F);
+        test::wallOutside(mesh, {right, 0}, {right, -0.3}, 1, 2, 0.7F);
+        const UnderEvenSky world(mesh);
+        std::vector<glm::vec3> lit;
+        for (const float one : world.straight()) lit.emplace_back(one);
+        const std::vector<glm::vec3> all = world.reflection.exitance(lit);
+        sent.emplace_back();
+        for (size_t c = 0; c < all.size(); ++c) {
+            const OutsideCell& cell = world.reflection.cells()[c];
+            if (world.scene.outside().isOfRooms(cell.region))
+                EXPECT_EQ(cell.materials.size(), 1u); // glass or wall
+            else
+                sent.back().push_back(all[c]);
+        }
+    }
+    ASSERT_EQ(sent[0].size(), sent[1].size());
+    for (size_t c = 0; c < sent[0].size(); ++c) EXPECT_NEAR(sent[0][c].y, sent[1][c].y, 1e-4) << c;
+}
+
 TEST(OutsideReflection, a_court_of_rooms_sends_no_more_than_it_gets) {
     const geometry::PatchMesh mesh = courtOfRooms(0.99F, 12);
     const UnderEvenSky world(mesh);
