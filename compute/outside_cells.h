@@ -46,7 +46,9 @@ public:
     // eighth of that opening's root of the area; where it looks at none, what it lights stands for openings
     // if it is an outer side, else all openings; where there would be more than kMostCells, than some times
     // as much. Boards close before one another have up to eight rows of cells across their depth, which get
-    // wider only where four times as much does not do. `walls`: of all rooms, facing inwards.
+    // wider only where four times as much does not do. Cells of outer sides are glass or wall, not both, but
+    // where windows are so many that 64 times as long ones were too many. `walls`: of all rooms, facing
+    // inwards.
     OutsideCells(const geometry::PatchMesh& mesh, std::span<const ConvexRegion> openings,
                  std::span<const ConvexRegion> walls);
 

@@ -281,7 +281,7 @@ TEST(OutsideReflection, outer_sides_of_rooms_have_the_light_of_traced_paths) {
 TEST(OutsideReflection, walls_beside_glass_send_nothing_into_its_reveal) {
     std::vector<std::vector<glm::vec3>> sent;
     for (const float reflectance : {0.0F, 0.9F}) {
-        const double left = 12.0 / 7, right = 16.0 / 7;
+        const double left = 8.0 / 7, right = 16.0 / 7;
         test::BoxRoom box{.cells = {7, 3, 5}};
         box.isGlass = [&](dvec3 p) {
             return p.z < 1e-9 && p.x > left && p.x < right && p.y > 1 && p.y < 2;
@@ -290,6 +290,8 @@ TEST(OutsideReflection, walls_beside_glass_send_nothing_into_its_reveal) {
         geometry::PatchMesh mesh = test::boxRoom(box);
         test::wallOutside(mesh, {left, -0.3}, {left, 0}, 1, 2, 0.7F);
         test::wallOutside(mesh, {right, 0}, {right, -0.3}, 1, 2, 0.7F);
+        test::standOutside(mesh, {{left, 1, 0}, {right, 1, 0}, {right, 1, -0.3}, {left, 1, -0.3}}, 0.7F);
+        test::standOutside(mesh, {{left, 2, -0.3}, {right, 2, -0.3}, {right, 2, 0}, {left, 2, 0}}, 0.7F);
         const UnderEvenSky world(mesh);
         std::vector<glm::vec3> lit;
         for (const float one : world.straight()) lit.emplace_back(one);
