@@ -283,9 +283,7 @@ TEST(OutsideReflection, walls_beside_glass_send_nothing_into_its_reveal) {
     for (const float reflectance : {0.0F, 0.9F}) {
         const double left = 8.0 / 7, right = 16.0 / 7;
         test::BoxRoom box{.cells = {7, 3, 5}};
-        box.isGlass = [&](dvec3 p) {
-            return p.z < 1e-9 && p.x > left && p.x < right && p.y > 1 && p.y < 2;
-        };
+        box.isGlass = [&](dvec3 p) { return p.z < 1e-9 && p.x > left && p.x < right && p.y > 1 && p.y < 2; };
         box.wall.reflectance = glm::vec3(reflectance);
         geometry::PatchMesh mesh = test::boxRoom(box);
         test::wallOutside(mesh, {left, -0.3}, {left, 0}, 1, 2, 0.7F);
