@@ -248,8 +248,9 @@ void AnnualDaylight::addBeams(std::span<const Sensor> sensors, std::span<float> 
             const auto lux = [&](glm::vec3 share) {
                 return static_cast<float>(sky.sun.normalIlluminance * photometric(share));
             };
-            sun[at] = lux(beam.atPoint(position, normal));
-            if (const float unsure = lux(beam.unsureAtPoint(position, normal)); unsure > 0) {
+            const auto [share, edge] = beam.beamAtPoint(position, normal);
+            sun[at] = lux(share);
+            if (const float unsure = lux(edge); unsure > 0) {
                 const std::scoped_lock lock(adding);
                 beamEdges_[at] = unsure;
             }

@@ -72,8 +72,8 @@ public:
     void sensors(std::span<const Sensor> sensors, std::span<float> lux, std::span<float> sun,
                  std::span<float> error);
 
-    // Of the last call, by place in its arrays: the direct sun that is there more or less if the sun moves by
-    // a thousandth of a degree (SunPatches::unsureAtPoint), photometric lux. `error` has it in.
+    // Of the last call, by place in its arrays: the direct sun that may be there more or less, at the edges
+    // of beams (SunPatches::beamAtPoint), photometric lux. `error` has it in.
     const std::map<size_t, float>& beamEdges() const { return beamEdges_; }
 
     size_t hours() const { return skies_.size(); }

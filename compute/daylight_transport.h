@@ -48,6 +48,7 @@ struct TransportOptions {
     // share of `error` is found place by place, for as many passes over F again. For tables; pictures show
     // none.
     bool errorByPlace = false;
+    bool sunDisc = false;     // direct sun at sensors has a penumbra (SunPatches::beamAtPoint)
     bool forPictures = false; // fills in the detail of Lighting; nothing else depends on it
     // Computes in full what is known to give nothing, or the same: dark skies, suns that cannot enter, light
     // where there is none, three channels of grey, the sky of rooms without openings. To check the rules that

@@ -37,9 +37,10 @@ Received received(std::span<const OutsideShare> shares, std::span<const OutsideC
 LightFromOutside::LightFromOutside(const PointScene& points, const NearPairs& pairs,
                                    std::span<const float> rowSums, const gpu::Buffer& factors,
                                    const daylight::SkyPatches& sky, const TransportOptions& options)
-    : points_(points), mesh_(points.mesh()), sky_(sky), skipNothing_(options.skipNothing), sunScene_(mesh_),
-      blinds_(mesh_), slats_(points, blinds_, factors), hiddenSky_(mesh_, sunScene_, blinds_, sky),
-      reflection_(points, sky), outsideOnBlinds_(points, blinds_) {
+    : points_(points), mesh_(points.mesh()), sky_(sky), skipNothing_(options.skipNothing),
+      sunScene_(mesh_, options.sunDisc), blinds_(mesh_), slats_(points, blinds_, factors),
+      hiddenSky_(mesh_, sunScene_, blinds_, sky), reflection_(points, sky),
+      outsideOnBlinds_(points, blinds_) {
     for (size_t i = 0; i < mesh_.patchCount(); ++i)
         hasOpenings_ |= mesh_.twin[i] == geometry::kNoTwin && mesh_.materials[mesh_.material[i]].isOpening();
     if (hasOpenings_) sunBounce_ = std::make_unique<SunBounce>(points, pairs, rowSums);
@@ -320,9 +321,9 @@ void LightFromOutside::sunAtSensors(Moment& moment, const SunPatches& sun,
         const Sensor& sensor = sensors.sensors[s];
         if (sensors.room[s] == geometry::kNoRoom) return;
         LightParts& parts = moment.sensors[s];
-        parts.sun = strength * sun.atPoint(sensor.position, sensor.normal);
-        const double unsure = photometric(strength * sun.unsureAtPoint(sensor.position, sensor.normal));
-        parts.error += static_cast<float>(unsure);
+        const auto [share, unsure] = sun.beamAtPoint(sensor.position, sensor.normal);
+        parts.sun = strength * share;
+        parts.error += static_cast<float>(photometric(strength * unsure));
         parts.interreflected += sunEdges(points_, sensors, s, partly, strength, reflected);
     });
 }

@@ -1,6 +1,7 @@
 #include "compute/sun_patches.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <iterator>
 
@@ -68,13 +69,19 @@ bool inside(const Polygon& p, glm::dvec2 q) {
     return true;
 }
 
-// Cautious: also of some points beyond corners.
-bool isNearOutline(const Polygon& p, glm::dvec2 q, double reach) {
+constexpr double kDiscTangent = 0.004651; // of half the sun's disc, 0.533 degrees wide on average
+constexpr double kJitter = 1e-9;          // of the extent
+constexpr size_t kPlaces = 256;           // on the disc
+constexpr double kMissed = 0.02;          // of a beam: what so many places give wrong of half-planes, at most
+
+// Cautious: also of some points beyond corners. `reachOf(k)`: how near is near to the side from corner k on.
+template<class ReachOf> bool isNearOutline(const Polygon& p, glm::dvec2 q, const ReachOf& reachOf) {
     bool near = false;
     for (size_t k = 0; k < p.size(); ++k) {
         const glm::dvec2 side = p[(k + 1) % p.size()] - p[k];
         // Without roots: of the distance inwards from the side.
-        const double times = geometry::cross(side, q - p[k]), most = reach * reach * glm::dot(side, side);
+        const double times = geometry::cross(side, q - p[k]), reach = reachOf(k),
+                     most = reach * reach * glm::dot(side, side);
         const bool isFar = times * times >= most;
         if (times < 0 && isFar) return false;
         near |= !isFar;
@@ -84,7 +91,7 @@ bool isNearOutline(const Polygon& p, glm::dvec2 q, double reach) {
 
 } // namespace
 
-SunScene::SunScene(const geometry::PatchMesh& mesh) : mesh_(&mesh) {
+SunScene::SunScene(const geometry::PatchMesh& mesh, bool disc) : mesh_(&mesh), disc_(disc) {
     constexpr uint32_t kMostCorners = 16;
     std::vector<uint32_t> pane(mesh.patchCount(), kNoGroup), wall(mesh.patchCount(), kNoGroup);
     for (size_t i = 0; i < mesh.patchCount(); ++i) {
@@ -132,11 +139,18 @@ SunPatches::SunPatches(const geometry::PatchMesh& mesh, glm::dvec3 towardsSun)
 SunPatches::Face SunPatches::faceOf(const ConvexRegion& region) const {
     Face face;
     face.region = &region;
-    for (const glm::dvec3& corner : region.corners) face.outline.push_back(project(corner));
+    for (const glm::dvec3& corner : region.corners) {
+        face.outline.push_back(project(corner));
+        face.depth.push_back(glm::dot(corner, sun_));
+    }
     face.normal = normalOf(region);
-    if (glm::dot(face.normal, sun_) < 0) std::reverse(face.outline.begin(), face.outline.end());
+    if (glm::dot(face.normal, sun_) < 0) {
+        std::ranges::reverse(face.outline);
+        std::ranges::reverse(face.depth);
+    }
     const Box box(face.outline);
     face.low = box.low, face.high = box.high;
+    face.farthest = std::ranges::max(face.depth);
     return face;
 }
 
@@ -145,6 +159,7 @@ void SunPatches::project(const SunScene& scene, bool clipAnyway) {
     across_ = geometry::perpendicular(sun_);
     up_ = glm::cross(sun_, across_);
     scale_ = scene.scale_;
+    disc_ = scene.disc_;
     normals_ = scene.normals_;
     for (const ConvexRegion& region : scene.panes_) {
         Face face = faceOf(region);
@@ -384,50 +399,101 @@ glm::dvec3 SunPatches::outdoors(const Receiver& receiver) const {
     return glm::dot(receiver.normal, sun_) * glm::min(glm::dvec3(1), lit / whole);
 }
 
-glm::dvec3 SunPatches::towardsSun(glm::dvec2 q, glm::dvec3 position, glm::dvec3 normal) const {
+SunPatches::Ahead SunPatches::ahead(glm::dvec3 position, double least) const {
+    const glm::dvec2 q = project(position);
+    const double depth = glm::dot(position, sun_);
+    const auto pick = [&](const std::vector<Face>& faces, std::vector<const Face*>& picked) {
+        for (const Face& face : faces) {
+            const double r = std::max(least, disc_ ? kDiscTangent * (face.farthest - depth) : 0.0);
+            if (!apart(q - r, q + r, face.low, face.high)) picked.push_back(&face);
+        }
+    };
+    Ahead all;
+    pick(panes_, all.panes);
+    if (all.panes.empty()) return all;
+    pick(entered_, all.entered);
+    pick(walls_, all.walls);
+    return all;
+}
+
+glm::dvec3 SunPatches::towards(glm::dvec3 direction, const Ahead& ahead, glm::dvec3 position,
+                               glm::dvec3 normal, glm::dvec2 off) const {
     // Moved by less than any tolerance, off the common edges of polygons, which would count twice.
-    q += 1e-9 * scale_ * glm::dvec2(0.6180339887, 0.4142135623);
-    // Whether the ray towards the sun meets the face; its plane must lie ahead.
-    const auto meets = [&](const Face& face) {
-        if (q.x < face.low.x || q.x > face.high.x || q.y < face.low.y || q.y > face.high.y) return false;
-        if (!inside(face.outline, q)) return false;
-        const double height = glm::dot(face.region->corners[0] - position, face.normal);
+    off += kJitter * scale_ * glm::dvec2(0.6180339887, 0.4142135623);
+    const auto meets = [&](const Face* face) {
+        const double height = glm::dot(face->region->corners[0] - position, face->normal),
+                     facing = glm::dot(direction, face->normal);
         // The wall that the point lies on, were it a hair behind it.
-        if (std::abs(height) <= kSamePlane * scale_ && std::abs(glm::dot(face.normal, normal)) > 0.999)
+        if (std::abs(height) <= kSamePlane * scale_ && std::abs(glm::dot(face->normal, normal)) > 0.999)
             return false;
-        return height / glm::dot(sun_, face.normal) > 1e-9 * scale_;
+        const double far = height / facing;
+        if (!(far > 1e-9 * scale_) || facing * glm::dot(sun_, face->normal) <= 0) return false;
+        return inside(face->outline, project(position + far * direction) + off);
     };
     glm::dvec3 through(1);
     bool leaves = false;
-    for (const Face& pane : panes_)
-        if (meets(pane)) through *= pane.transmittance, leaves = true;
-    for (const Face& pane : entered_)
-        if (leaves && meets(pane)) through *= pane.transmittance;
-    return leaves && std::none_of(walls_.begin(), walls_.end(), meets) ? through : glm::dvec3(0);
+    for (const Face* pane : ahead.panes)
+        if (meets(pane)) through *= pane->transmittance, leaves = true;
+    for (const Face* pane : ahead.entered)
+        if (leaves && meets(pane)) through *= pane->transmittance;
+    return leaves && std::ranges::none_of(ahead.walls, meets) ? through : glm::dvec3(0);
 }
 
 glm::vec3 SunPatches::atPoint(glm::dvec3 position, glm::dvec3 normal) const {
     const double cosine = glm::dot(normal, sun_);
     if (cosine <= 0 || panes_.empty()) return glm::vec3(0);
-    return glm::vec3(cosine * towardsSun(project(position), position, normal));
+    return glm::vec3(cosine *
+                     towards(sun_, ahead(position, kJitter * scale_), position, normal, glm::dvec2(0)));
 }
 
-glm::vec3 SunPatches::unsureAtPoint(glm::dvec3 position, glm::dvec3 normal) const {
+glm::dvec3 SunPatches::towardsDisc(const Ahead& ahead, glm::dvec3 position, glm::dvec3 normal,
+                                   glm::dvec2 off) const {
+    static const std::array<glm::dvec2, kPlaces> places = [] { // as a sunflower's seeds lie
+        constexpr double kGoldenAngle = 2.399963229728653;
+        std::array<glm::dvec2, kPlaces> out;
+        for (size_t k = 0; k < kPlaces; ++k) {
+            const double turn = kGoldenAngle * static_cast<double>(k);
+            out[k] = std::sqrt((static_cast<double>(k) + 0.5) / kPlaces) *
+                     glm::dvec2(std::cos(turn), std::sin(turn));
+        }
+        return out;
+    }();
+    glm::dvec3 sum(0);
+    for (const glm::dvec2 place : places) {
+        const glm::dvec3 there = sun_ + kDiscTangent * (place.x * across_ + place.y * up_);
+        sum += towards(glm::normalize(there), ahead, position, normal, off);
+    }
+    return sum / double{kPlaces};
+}
+
+SunPatches::Beam SunPatches::beamAtPoint(glm::dvec3 position, glm::dvec3 normal) const {
     const double cosine = glm::dot(normal, sun_);
-    if (cosine <= 0 || panes_.empty()) return glm::vec3(0);
-    const double reach = glm::radians(1e-3) * scale_;
-    const glm::dvec2 middle = project(position);
-    const glm::dvec2 low = middle - reach, high = middle + reach;
-    const auto hasEdgeNear = [&](const Face& face) {
-        return !apart(low, high, face.low, face.high) && isNearOutline(face.outline, middle, reach);
+    if (cosine <= 0 || panes_.empty()) return {};
+    const double hair = glm::radians(1e-3) * scale_, depth = glm::dot(position, sun_);
+    const glm::dvec2 q = project(position);
+    const Ahead near = ahead(position, hair);
+    const auto hasEdge = [&](double tangent) {
+        const auto hasIt = [&](const Face* face) {
+            return isNearOutline(face->outline, q, [&](size_t k) {
+                const double farther = std::max(face->depth[k], face->depth[(k + 1) % face->depth.size()]);
+                return std::max(hair, tangent * (farther - depth));
+            });
+        };
+        return std::ranges::any_of(near.panes, hasIt) || std::ranges::any_of(near.walls, hasIt);
     };
-    if (std::ranges::none_of(panes_, hasEdgeNear) && std::ranges::none_of(walls_, hasEdgeNear))
-        return glm::vec3(0);
-    const glm::dvec3 here = towardsSun(middle, position, normal);
-    glm::dvec3 most(0);
-    for (const glm::dvec2 step : {glm::dvec2(reach, 0), {-reach, 0}, {0, reach}, {0, -reach}})
-        most = glm::max(most, glm::abs(towardsSun(middle + step, position, normal) - here));
-    return glm::vec3(cosine * most);
+    const bool inPenumbra = disc_ && hasEdge(kDiscTangent);
+    const auto lit = [&](glm::dvec2 off) {
+        return inPenumbra ? towardsDisc(near, position, normal, off)
+                          : towards(sun_, near, position, normal, off);
+    };
+    const glm::dvec3 here = lit(glm::dvec2(0));
+    glm::dvec3 unsure(0);
+    if (inPenumbra)
+        for (const Face* pane : near.panes) unsure = glm::max(unsure, kMissed * pane->transmittance);
+    if (hasEdge(0))
+        for (const glm::dvec2 step : {glm::dvec2(hair, 0), {-hair, 0}, {0, hair}, {0, -hair}})
+            unsure = glm::max(unsure, glm::abs(lit(step) - here));
+    return {glm::vec3(cosine * here), glm::vec3(cosine * unsure)};
 }
 
 } // namespace heliodon::compute

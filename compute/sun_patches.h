@@ -1,8 +1,8 @@
 // Direct sun on patches and at points: everything is projected along the sun, then polygons are clipped
-// exactly in double precision. The sun is a point; glass counts with its transmittance at the sun's angle. A
-// ray towards the sun passes each pane that it leaves by (front to back), and each to the outside that it
-// enters another room by; that an interior window has two faces therefore does not count twice. Opaque
-// patches of every room block, from both sides.
+// exactly in double precision. The sun is a point, at single points a disc if wanted; glass counts with its
+// transmittance at the sun's angle. A ray towards the sun passes each pane that it leaves by (front to back),
+// and each to the outside that it enters another room by; that an interior window has two faces therefore
+// does not count twice. Opaque patches of every room block, from both sides.
 #pragma once
 
 #include <cstdint>
@@ -22,7 +22,8 @@ namespace heliodon::compute {
 // What does not change with the sun: panes and walls merged into few convex polygons.
 class SunScene {
 public:
-    explicit SunScene(const geometry::PatchMesh& mesh); // `mesh` must outlive this, unchanged
+    // `mesh` must outlive this, unchanged. `disc`: the sun is one, evenly bright, for beamAtPoint.
+    explicit SunScene(const geometry::PatchMesh& mesh, bool disc = false);
 
 private:
     friend class SunPatches;
@@ -31,6 +32,7 @@ private:
     std::vector<daylight::Window> windows_;   // by material
     std::vector<glm::dvec3> normals_;         // of patches
     double scale_ = 1;                        // extent of the mesh
+    bool disc_;
 };
 
 // A patch that the sun lights in part, or through several panes.
@@ -72,17 +74,28 @@ public:
 
     // onPatches' value at a point of the air of a room with unit normal.
     glm::vec3 atPoint(glm::dvec3 position, glm::dvec3 normal) const;
-    // By how much that changes at most when the sun moves by a thousandth of a degree, or the point as far as
-    // this moves a shadow across the building: not zero at the edges of beams alone. Per channel.
-    glm::vec3 unsureAtPoint(glm::dvec3 position, glm::dvec3 normal) const;
+    struct Beam {
+        glm::vec3 share{0}, unsure{0}; // per channel
+    };
+    // The same of the scene's sun, point or disc (the lit share of 256 places on it, with the cosine and the
+    // glass of its middle). `unsure`: by how much that changes at most when the sun moves by a thousandth of
+    // a degree, or the point as far as this moves a shadow across the building, and what so many places may
+    // miss: not zero at the edges of beams alone. A point in a disc's penumbra takes about 20 us.
+    Beam beamAtPoint(glm::dvec3 position, glm::dvec3 normal) const;
 
 private:
     struct Face { // seen from the sun
         const ConvexRegion* region = nullptr;
         glm::dvec3 normal{0};
         std::vector<glm::dvec2> outline; // counter-clockwise
+        std::vector<double> depth;       // of its corners, towards the sun
         glm::dvec2 low{0}, high{0};
+        double farthest = 0;         // of them
         glm::dvec3 transmittance{0}; // at the sun's angle; panes only
+    };
+    // What a ray from a point towards the sun may meet.
+    struct Ahead {
+        std::vector<const Face*> panes, entered, walls;
     };
     struct Piece {
         std::vector<glm::dvec2> outline;
@@ -108,14 +121,19 @@ private:
     std::vector<Piece> litPieces(const Receiver& receiver) const;
     std::vector<SunlitParts::Part> partsOf(const std::vector<Piece>& pieces, const Receiver& receiver) const;
     glm::vec3 onPatch(const Receiver& receiver, SunlitParts* partly) const;
-    // Transmittance towards the sun of a point that the sun sees at `q`; zero behind walls.
-    glm::dvec3 towardsSun(glm::dvec2 q, glm::dvec3 position, glm::dvec3 normal) const;
+    // What rays from there towards the disc, or as far beside them as `least`, may meet.
+    Ahead ahead(glm::dvec3 position, double least) const;
+    // Transmittance towards there, which is near the sun, as the sun sees it from `off` beside the point;
+    // zero behind walls.
+    glm::dvec3 towards(glm::dvec3 direction, const Ahead& ahead, glm::dvec3 position, glm::dvec3 normal,
+                       glm::dvec2 off) const;
+    glm::dvec3 towardsDisc(const Ahead& ahead, glm::dvec3 position, glm::dvec3 normal, glm::dvec2 off) const;
 
     const geometry::PatchMesh* mesh_;
     std::span<const glm::dvec3> normals_; // the scene's
     glm::dvec3 sun_, across_{0}, up_{0};
     double scale_ = 1;
-    bool canEnter_ = false;
+    bool canEnter_ = false, disc_ = false;
     std::vector<Face> panes_;   // glazing that a ray towards the sun leaves by
     std::vector<Face> entered_; // and enters a room by, from outside
     std::vector<Face> walls_;

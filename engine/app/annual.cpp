@@ -372,7 +372,8 @@ Year computeYear(Run& run, const Job& job, OutputFolder& folder) {
     const size_t records = job.records(), count = job.sensors.points.size();
     const std::filesystem::path& output = job.arguments.output;
     const auto transport =
-        makeTransport(run, job.scene.mesh, compute::TransportOptions{.errorByPlace = true});
+        makeTransport(run, job.scene.mesh,
+                      compute::TransportOptions{.errorByPlace = true, .sunDisc = job.arguments.sunDisc});
     Progress progress(fmt::format("{} of the year", recordsOf(job.weather)), records, run.showsProgress());
     Year year;
     year.meanLux.assign(records, 0);

@@ -183,6 +183,7 @@ private:
         sub->add_option("--max-error", illuminance_.maxError,
                         "wanted lux_error over lux, on 95 of 100 places; picks mesh, kernel and solution")
             ->check(within(1e-4, 1.0));
+        addSunDisc(sub, illuminance_.sunDisc);
         written(sub->add_option("-o,--output", illuminance_.output, "the table (.csv)"))
             ->transform(resultNamed(".csv"))
             ->required();
@@ -277,6 +278,7 @@ private:
             ->check(within(0.0, 1.0));
         sub->add_option("--temporal", annual_.temporal,
                         "maps of hour by day for these sensors too: all, or rows counted from 0 (5,17)");
+        addSunDisc(sub, annual_.sunDisc);
         sub->add_flag("--ill", annual_.ill, "illuminance.ill too: a line of text a record, as Daysim has it");
         sub->add_flag("--svg", annual_.svg, "drawings as .svg instead of .png");
         sub->add_option(
@@ -284,6 +286,11 @@ private:
                "folder for illuminance.npy (sensors x records), metrics.csv and summary.json; made when "
                "missing")
             ->required();
+    }
+
+    static void addSunDisc(CLI::App* sub, bool& disc) {
+        sub->add_flag("--sun-disc", disc,
+                      "shadows of the sun have their penumbra at sensors (0.53 degrees); else it is a point");
     }
 
     static void addBoardEdge(CLI::App* sub, double& edge) {

@@ -68,6 +68,7 @@ struct IlluminanceArguments {
     MomentArguments moment;
     std::filesystem::path sensors, plan, output;
     double maxError = 0; // of each sensor's lux, relative; 0: no bound asked for
+    bool sunDisc = false;
 };
 struct RenderArguments {
     SceneArguments scene;
@@ -95,7 +96,7 @@ struct AnnualArguments {
     std::string occupied = "8-18";
     double groundAlbedo = 0.2;
     std::string temporal; // rows of sensors that get a map of their own, or "all"
-    bool ill = false, svg = false;
+    bool ill = false, svg = false, sunDisc = false;
     std::filesystem::path output;
 };
 struct CalibrateTargetArguments {

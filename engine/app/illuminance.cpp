@@ -127,6 +127,7 @@ Solution solveOn(Run& run, const IlluminanceArguments& arguments, const Input& i
     s.title = source.title();
     compute::TransportOptions options;
     options.errorByPlace = true;
+    options.sunDisc = arguments.sunDisc;
     if (arguments.maxError > 0) {
         options.formFactors.maxError = std::clamp(arguments.maxError / 10, 1e-5, 2e-3);
         options.radiosity.tolerance = std::clamp(arguments.maxError / 200, 1e-6, 1e-4);

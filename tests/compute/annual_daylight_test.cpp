@@ -224,6 +224,25 @@ TEST(AnnualDaylight, sun_that_may_be_just_beside_a_beam_is_told) {
     EXPECT_LT(error[1], 0.1 * there);
 }
 
+TEST(AnnualDaylight, the_suns_disc_has_a_penumbra_in_years_and_in_moments) {
+    const geometry::PatchMesh mesh = windowRoom(glm::vec3(0.6f), glm::vec3(0.8f));
+    const daylight::Sky sky = sunny({0.2, 0.5, -0.8});
+    const SunScene scene(mesh, true);
+    const SunPatches beam(scene, sky.sun.direction);
+    const std::vector<Sensor> sensors{{{2.625, 0.1, 1.5}, {0, 1, 0}}, {{2.5, 0.1, 1.5}, {0, 1, 0}}};
+    const double half = sky.sun.normalIlluminance *
+                        photometric(beam.beamAtPoint(sensors[0].position, sensors[0].normal).share);
+    DaylightTransport transport(test::device(), mesh, {.sunDisc = true});
+    AnnualDaylight annual(transport, {sky}, 2);
+    std::vector<float> lux(2), direct(2), error(2);
+    annual.sensors(sensors, lux, direct, error);
+    EXPECT_NEAR(direct[0], 0.5 * direct[1], 0.02 * direct[1]);
+    EXPECT_NEAR(direct[0], half, 1e-5 * half);
+    const Moment moment = transport.light(sky);
+    EXPECT_NEAR(photometric(moment.sensors[0].sun), half, 1e-5 * half);
+    EXPECT_GT(moment.sensors[0].error, 0.02 * direct[1]);
+}
+
 // Sensors go through the edges of sunlight sixteen at a time: the last ones are fewer, and one of them is in
 // no room.
 TEST(AnnualDaylight, sensors_get_what_they_get_in_any_company) {

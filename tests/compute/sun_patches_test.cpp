@@ -1,5 +1,8 @@
 #include "compute/sun_patches.h"
 
+#include <algorithm>
+#include <cmath>
+#include <numbers>
 #include <random>
 
 #include <glm/geometric.hpp>
@@ -44,11 +47,11 @@ TEST(SunPatches, a_hair_decides_at_the_edge_of_a_beam_alone) {
     const glm::dvec3 up(0, 1, 0), edge(1.4, 0, 1.6), inside(1.4, 0, 1.7), corner(1 - 0.6, 0, 1.6);
     const glm::vec3 beam = sun.atPoint(inside, up);
     EXPECT_GT(beam.y, 0.4f);
-    EXPECT_EQ(sun.unsureAtPoint(edge, up), beam);
-    EXPECT_EQ(sun.unsureAtPoint(corner, up), beam);
+    EXPECT_EQ(sun.beamAtPoint(edge, up).unsure, beam);
+    EXPECT_EQ(sun.beamAtPoint(corner, up).unsure, beam);
     for (const glm::dvec3 p :
          {inside, edge + glm::dvec3(0, 0, 1e-3), edge - glm::dvec3(0, 0, 1e-3), edge + 0.1 * up})
-        EXPECT_EQ(sun.unsureAtPoint(p, up), glm::vec3(0)) << p.y << ' ' << p.z;
+        EXPECT_EQ(sun.beamAtPoint(p, up).unsure, glm::vec3(0)) << p.y << ' ' << p.z;
 }
 
 // As far from it as 0.001 degrees turn the building's diagonal, on either side, of a window and of a sheet
@@ -69,12 +72,96 @@ TEST(SunPatches, a_beams_edge_is_as_wide_as_is_said) {
     const double step = towards.y / glm::length(glm::dvec2(towards.y, towards.z));
     for (const double z : {3.2, 2.0}) { // where the window's top and the sheet end
         const auto unsure = [&](double times) {
-            return photometric(sun.unsureAtPoint({0.9, 0, z + times * reach / step}, up));
+            return photometric(sun.beamAtPoint({0.9, 0, z + times * reach / step}, up).unsure);
         };
         for (const double side : {-1.0, 1.0}) {
             EXPECT_GT(unsure(0.6 * side), 0.4) << z; // moved to and fro, askew to the edge
             EXPECT_EQ(unsure(1.01 * side), 0) << z;
         }
+    }
+}
+
+constexpr double kDiscTangent = 0.00465; // half the sun's disc
+
+// Of a disc of radius one what lies on one side of a line `from` its middle.
+double shareOfDisc(double from) {
+    const double h = std::clamp(from, -1.0, 1.0);
+    return 1 - (std::acos(h) - h * std::sqrt(1 - h * h)) / std::numbers::pi;
+}
+
+// A window's upper edge, of which the floor has the image 1.6 m off.
+TEST(SunPatches, the_disc_of_the_sun_gives_beams_a_penumbra) {
+    test::BoxRoom box;
+    box.isGlass = [](glm::dvec3 p) { return p.z < 1e-9 && p.x > 1 && p.x < 3 && p.y > 1 && p.y < 2; };
+    const geometry::PatchMesh mesh = test::boxRoom(box);
+    const glm::dvec3 towards = glm::normalize(glm::dvec3(0, 0.5, -0.8)), up(0, 1, 0);
+    const SunScene scene(mesh, true);
+    const SunPatches sun(scene, towards);
+    const double beam = photometric(sun.atPoint({2, 0, 2.4}, up)), edge = 3.2;
+    ASSERT_GT(beam, 0.4);
+    const double step = towards.y, // as the sun sees it, of one along the floor
+        radius = kDiscTangent * 2 / towards.y;
+    for (double at = -1.6; at < 1.7; at += 0.1) {
+        const glm::dvec3 p(2, 0, edge - at * radius / step);
+        const auto [share, unsure] = sun.beamAtPoint(p, up);
+        EXPECT_NEAR(photometric(share), beam * shareOfDisc(at), 0.02 * beam) << at;
+        if (std::abs(at) < 0.95) {
+            EXPECT_NEAR(photometric(unsure), 0.02 * beam, 1e-4) << at;
+        } else if (std::abs(at) > 1.05) {
+            EXPECT_EQ(photometric(unsure), 0) << at;
+            EXPECT_EQ(share, sun.atPoint(p, up)) << at;
+        }
+    }
+}
+
+// A bar of a tenth of the disc's width takes as much of it wherever it stands before it.
+TEST(SunPatches, a_thin_bar_far_off_dims_the_sun_and_does_not_hide_it) {
+    test::BoxRoom box;
+    box.isGlass = [](glm::dvec3 p) { return p.z < 1e-9; };
+    geometry::PatchMesh mesh = test::boxRoom(box);
+    const glm::dvec3 towards = glm::normalize(glm::dvec3(0, 0.5, -0.8)), up(0, 1, 0);
+    const double height = 0.5, away = height / towards.y, width = 0.2 * kDiscTangent * away;
+    const double clear = photometric(SunPatches(mesh, towards).atPoint({2, 0, 2}, up));
+    const auto v = static_cast<uint32_t>(mesh.vertices.size());
+    for (const glm::dvec2 at : {glm::dvec2(1, 0), {3, 0}, {3, width / towards.y}, {1, width / towards.y}})
+        mesh.vertices.push_back({at.x, height, 1 + at.y});
+    mesh.addPatch(std::vector{v, v + 1, v + 2, v + 3}, 0, geometry::Role::projection, 6, 0);
+    mesh.addPatch(std::vector{v + 3, v + 2, v + 1, v}, 0, geometry::Role::projection, 7, 0);
+    const SunScene scene(mesh, true);
+    const SunPatches sun(scene, towards);
+    const double image = 1 + height * 0.8 / 0.5, radius = kDiscTangent * away / towards.y;
+    for (double at = -1.3; at < 1.35; at += 0.1) {
+        const double hidden = shareOfDisc(at + 0.2) - shareOfDisc(at);
+        const auto [share, unsure] = sun.beamAtPoint({2, 0, image - at * radius}, up);
+        EXPECT_NEAR(photometric(share), clear * (1 - hidden), 0.03 * clear) << at;
+    }
+    EXPECT_EQ(photometric(sun.atPoint({2, 0, image + 0.5 * width / towards.y}, up)), 0); // of a point all
+}
+
+// As far from the shadow of a sheet just above the floor as 0.001 degrees turn the building's diagonal.
+TEST(SunPatches, a_hair_decides_in_a_narrow_penumbra_alone) {
+    test::BoxRoom box;
+    box.isGlass = [](glm::dvec3 p) { return p.z < 1e-9 && p.x > 1 && p.x < 3 && p.y > 1 && p.y < 2; };
+    geometry::PatchMesh mesh = test::boxRoom(box);
+    const double height = 2e-3, end = 2.4;
+    const auto v = static_cast<uint32_t>(mesh.vertices.size());
+    for (const glm::dvec2 at : {glm::dvec2(1, 2), {3, 2}, {3, end}, {1, end}})
+        mesh.vertices.push_back({at.x, height, at.y});
+    mesh.addPatch(std::vector{v, v + 1, v + 2, v + 3}, 0, geometry::Role::projection, 6, 0);
+    mesh.addPatch(std::vector{v + 3, v + 2, v + 1, v}, 0, geometry::Role::projection, 7, 0);
+    const glm::dvec3 towards = glm::normalize(glm::dvec3(0, 0.5, -0.8)), up(0, 1, 0);
+    const SunScene scene(mesh, true);
+    const SunPatches sun(scene, towards);
+    const double hair = glm::radians(1e-3) * glm::length(box.high - box.low);
+    const auto unsure = [&](double hairs) { // beyond the shadow, as the sun sees it
+        const glm::dvec3 p(2, 0, end + height * 0.8 / 0.5 + hairs * hair / towards.y);
+        return photometric(sun.beamAtPoint(p, up).unsure);
+    };
+    const double beam = photometric(sun.atPoint({2, 0, end + 0.1}, up));
+    ASSERT_GT(beam, 0.4);
+    for (const double side : {-1.0, 1.0}) {
+        EXPECT_NEAR(unsure(0.6 * side), beam, 1e-6) << side;
+        EXPECT_EQ(unsure(1.1 * side), 0) << side;
     }
 }
 
