@@ -70,7 +70,6 @@ bool inside(const Polygon& p, glm::dvec2 q) {
 }
 
 constexpr double kDiscTangent = 0.004651; // of half the sun's disc, 0.533 degrees wide on average
-constexpr double kJitter = 1e-9;          // of the extent
 constexpr size_t kPlaces = 256;           // on the disc
 constexpr double kMissed = 0.02;          // of a beam: what so many places give wrong of half-planes, at most
 
@@ -419,7 +418,7 @@ SunPatches::Ahead SunPatches::ahead(glm::dvec3 position, double least) const {
 glm::dvec3 SunPatches::towards(glm::dvec3 direction, const Ahead& ahead, glm::dvec3 position,
                                glm::dvec3 normal, glm::dvec2 off) const {
     // Moved by less than any tolerance, off the common edges of polygons, which would count twice.
-    off += kJitter * scale_ * glm::dvec2(0.6180339887, 0.4142135623);
+    off += 1e-9 * scale_ * glm::dvec2(0.6180339887, 0.4142135623);
     const auto meets = [&](const Face* face) {
         const double height = glm::dot(face->region->corners[0] - position, face->normal),
                      facing = glm::dot(direction, face->normal);
@@ -437,13 +436,6 @@ glm::dvec3 SunPatches::towards(glm::dvec3 direction, const Ahead& ahead, glm::dv
     for (const Face* pane : ahead.entered)
         if (leaves && meets(pane)) through *= pane->transmittance;
     return leaves && std::ranges::none_of(ahead.walls, meets) ? through : glm::dvec3(0);
-}
-
-glm::vec3 SunPatches::atPoint(glm::dvec3 position, glm::dvec3 normal) const {
-    const double cosine = glm::dot(normal, sun_);
-    if (cosine <= 0 || panes_.empty()) return glm::vec3(0);
-    return glm::vec3(cosine *
-                     towards(sun_, ahead(position, kJitter * scale_), position, normal, glm::dvec2(0)));
 }
 
 glm::dvec3 SunPatches::towardsDisc(const Ahead& ahead, glm::dvec3 position, glm::dvec3 normal,

@@ -72,15 +72,14 @@ public:
     // that it faces: all of it takes part, whichever rooms it reaches through.
     std::vector<SunlitParts::Part> onPolygon(std::span<const glm::dvec3> corners) const;
 
-    // onPatches' value at a point of the air of a room with unit normal.
-    glm::vec3 atPoint(glm::dvec3 position, glm::dvec3 normal) const;
     struct Beam {
         glm::vec3 share{0}, unsure{0}; // per channel
     };
-    // The same of the scene's sun, point or disc (the lit share of 256 places on it, with the cosine and the
-    // glass of its middle). `unsure`: by how much that changes at most when the sun moves by a thousandth of
-    // a degree, or the point as far as this moves a shadow across the building, and what so many places may
-    // miss: not zero at the edges of beams alone. A point in a disc's penumbra takes about 20 us.
+    // onPatches' value at a point of the air of a room with unit normal, of the scene's sun, point or disc
+    // (the lit share of 256 places on it, with the cosine and the glass of its middle). `unsure`: by how much
+    // that changes at most when the sun moves by a thousandth of a degree, or the point as far as this moves
+    // a shadow across the building, and what so many places may miss: not zero at the edges of beams alone. A
+    // point in a disc's penumbra takes about 20 us.
     Beam beamAtPoint(glm::dvec3 position, glm::dvec3 normal) const;
 
 private:

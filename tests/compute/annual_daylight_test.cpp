@@ -206,7 +206,7 @@ TEST(AnnualDaylight, sun_that_may_be_just_beside_a_beam_is_told) {
     const daylight::Sky sky = sunny({0.2, 0.5, -0.8});
     const SunPatches beam(mesh, sky.sun.direction);
     const auto at = [](double x) { return glm::dvec3(x, 0.1, 1.5); };
-    const auto sun = [&](double x) { return photometric(beam.atPoint(at(x), {0, 1, 0})); };
+    const auto sun = [&](double x) { return photometric(beam.beamAtPoint(at(x), {0, 1, 0}).share); };
     double lit = 2, dark = 4;
     ASSERT_GT(sun(lit), 0);
     ASSERT_EQ(sun(dark), 0);

@@ -188,8 +188,8 @@ TEST(Edges, the_sun_on_the_horizon_shines_straight_in) {
     const SunPatches level(mesh, {0, 0, -1});
     ASSERT_TRUE(level.canEnter());
     EXPECT_NEAR(flux(mesh, level.onPatches()), 2 * pane, 1e-5); // 2 m2 of window, on the wall opposite
-    EXPECT_NEAR(level.atPoint({2, 1.5, 4.9}, {0, 0, -1}).y, pane, 1e-6);
-    EXPECT_EQ(level.atPoint({2, 0, 2}, {0, 1, 0}).y, 0); // along the floor
+    EXPECT_NEAR(level.beamAtPoint({2, 1.5, 4.9}, {0, 0, -1}).share.y, pane, 1e-6);
+    EXPECT_EQ(level.beamAtPoint({2, 0, 2}, {0, 1, 0}).share.y, 0); // along the floor
     // At sunrise, a hair higher, the same light falls.
     const SunPatches rising(mesh, glm::normalize(glm::dvec3(0, 1e-6, -1)));
     EXPECT_NEAR(flux(mesh, rising.onPatches()), 2 * pane, 1e-5);

@@ -45,7 +45,7 @@ TEST(SunPatches, a_hair_decides_at_the_edge_of_a_beam_alone) {
     const geometry::PatchMesh mesh = test::boxRoom(box);
     const SunPatches sun(mesh, glm::normalize(glm::dvec3(0.3, 0.5, -0.8)));
     const glm::dvec3 up(0, 1, 0), edge(1.4, 0, 1.6), inside(1.4, 0, 1.7), corner(1 - 0.6, 0, 1.6);
-    const glm::vec3 beam = sun.atPoint(inside, up);
+    const glm::vec3 beam = sun.beamAtPoint(inside, up).share;
     EXPECT_GT(beam.y, 0.4f);
     EXPECT_EQ(sun.beamAtPoint(edge, up).unsure, beam);
     EXPECT_EQ(sun.beamAtPoint(corner, up).unsure, beam);
@@ -97,7 +97,7 @@ TEST(SunPatches, the_disc_of_the_sun_gives_beams_a_penumbra) {
     const glm::dvec3 towards = glm::normalize(glm::dvec3(0, 0.5, -0.8)), up(0, 1, 0);
     const SunScene scene(mesh, true);
     const SunPatches sun(scene, towards);
-    const double beam = photometric(sun.atPoint({2, 0, 2.4}, up)), edge = 3.2;
+    const double beam = photometric(sun.beamAtPoint({2, 0, 2.4}, up).share), edge = 3.2;
     ASSERT_GT(beam, 0.4);
     const double step = towards.y, // as the sun sees it, of one along the floor
         radius = kDiscTangent * 2 / towards.y;
@@ -109,7 +109,7 @@ TEST(SunPatches, the_disc_of_the_sun_gives_beams_a_penumbra) {
             EXPECT_NEAR(photometric(unsure), 0.02 * beam, 1e-4) << at;
         } else if (std::abs(at) > 1.05) {
             EXPECT_EQ(photometric(unsure), 0) << at;
-            EXPECT_EQ(share, sun.atPoint(p, up)) << at;
+            EXPECT_EQ(share, SunPatches(mesh, towards).beamAtPoint(p, up).share) << at;
         }
     }
 }
@@ -121,7 +121,7 @@ TEST(SunPatches, a_thin_bar_far_off_dims_the_sun_and_does_not_hide_it) {
     geometry::PatchMesh mesh = test::boxRoom(box);
     const glm::dvec3 towards = glm::normalize(glm::dvec3(0, 0.5, -0.8)), up(0, 1, 0);
     const double height = 0.5, away = height / towards.y, width = 0.2 * kDiscTangent * away;
-    const double clear = photometric(SunPatches(mesh, towards).atPoint({2, 0, 2}, up));
+    const double clear = photometric(SunPatches(mesh, towards).beamAtPoint({2, 0, 2}, up).share);
     const auto v = static_cast<uint32_t>(mesh.vertices.size());
     for (const glm::dvec2 at : {glm::dvec2(1, 0), {3, 0}, {3, width / towards.y}, {1, width / towards.y}})
         mesh.vertices.push_back({at.x, height, 1 + at.y});
@@ -135,7 +135,8 @@ TEST(SunPatches, a_thin_bar_far_off_dims_the_sun_and_does_not_hide_it) {
         const auto [share, unsure] = sun.beamAtPoint({2, 0, image - at * radius}, up);
         EXPECT_NEAR(photometric(share), clear * (1 - hidden), 0.03 * clear) << at;
     }
-    EXPECT_EQ(photometric(sun.atPoint({2, 0, image + 0.5 * width / towards.y}, up)), 0); // of a point all
+    const SunPatches point(mesh, towards); // of which all is hidden
+    EXPECT_EQ(photometric(point.beamAtPoint({2, 0, image + 0.5 * width / towards.y}, up).share), 0);
 }
 
 // As far from the shadow of a sheet just above the floor as 0.001 degrees turn the building's diagonal.
@@ -157,7 +158,7 @@ TEST(SunPatches, a_hair_decides_in_a_narrow_penumbra_alone) {
         const glm::dvec3 p(2, 0, end + height * 0.8 / 0.5 + hairs * hair / towards.y);
         return photometric(sun.beamAtPoint(p, up).unsure);
     };
-    const double beam = photometric(sun.atPoint({2, 0, end + 0.1}, up));
+    const double beam = photometric(sun.beamAtPoint({2, 0, end + 0.1}, up).share);
     ASSERT_GT(beam, 0.4);
     for (const double side : {-1.0, 1.0}) {
         EXPECT_NEAR(unsure(0.6 * side), beam, 1e-6) << side;
@@ -198,8 +199,8 @@ TEST(SunPatches, an_interior_window_counts_once_and_each_pane_on_the_way_counts)
     const double pane = daylight::glazingOf(test::BoxRoom{}.glass).transmittance(-sun.z).y;
     const SunPatches patches(mesh, sun);
     ASSERT_TRUE(patches.canEnter());
-    const glm::vec3 outer = patches.atPoint({2.1, 1.2, 4.9}, sun),
-                    far = patches.atPoint({2.1, 1.2, 9.9}, sun);
+    const glm::vec3 outer = patches.beamAtPoint({2.1, 1.2, 4.9}, sun).share,
+                    far = patches.beamAtPoint({2.1, 1.2, 9.9}, sun).share;
     EXPECT_NEAR(outer.y, pane, 1e-6);
     EXPECT_NEAR(far.y, pane * pane, 1e-6);
     const auto lit = patches.onPatches();
@@ -233,7 +234,7 @@ TEST(SunPatches, windows_of_a_room_on_the_way_dim_from_both_sides) {
     const glm::dvec3 through = daylight::glazingOf(mesh.materials[1]).transmittance(sun.z) *
                                daylight::glazingOf(mesh.materials[3]).transmittance(sun.z) *
                                daylight::glazingOf(mesh.materials[3]).transmittance(sun.z);
-    const glm::vec3 point = patches.atPoint({2, 1.2, 3}, sun);
+    const glm::vec3 point = patches.beamAtPoint({2, 1.2, 3}, sun).share;
     for (int c = 0; c < 3; ++c) EXPECT_NEAR(double{point[c]}, through[c], 1e-6);
     const auto lit = patches.onPatches();
     size_t few = 0;
@@ -279,7 +280,7 @@ TEST(SunPatches, any_polygon_in_the_air_has_its_lit_parts) {
                 }
                 if (inside) covered += part.light;
             }
-            EXPECT_NEAR(covered.y, sun.atPoint(p, {0, 1, 0}).y, 1e-6) << p.x << ' ' << p.z;
+            EXPECT_NEAR(covered.y, sun.beamAtPoint(p, {0, 1, 0}).share.y, 1e-6) << p.x << ' ' << p.z;
             lit += covered.y > 0;
         }
     EXPECT_GT(lit, 20u);
@@ -293,8 +294,8 @@ TEST(SunPatches, points_in_sun_and_shade_are_those_of_the_reference_sensors) {
     const SunPatches sun(mesh, room.sky.sun.direction);
     const auto& reference = room.columns.at("lux_sun_direct");
     for (size_t s = 0; s < reference.size(); ++s) {
-        const double lux =
-            room.sky.sun.normalIlluminance * sun.atPoint(room.sensors[s].position, room.sensors[s].normal).y;
+        const double lux = room.sky.sun.normalIlluminance *
+                           sun.beamAtPoint(room.sensors[s].position, room.sensors[s].normal).share.y;
         EXPECT_NEAR(lux, reference[s], 0.002 * reference[s])
             << "sensor " << s; // Radiance's glass, bins of its own
     }
